@@ -1,0 +1,141 @@
+//! Points, boxes and directions that everything else is said in.
+
+use nalgebra::SVector;
+use thiserror::Error;
+
+/// A point or a displacement in `D` dimensions, in metres.
+pub type Vector<const D: usize> = SVector<f64, D>;
+
+/// A box with sides parallel to the axes and with an interior: the intersection
+/// of `2 D` closed half-spaces (paper, equations 2.1 and 2.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisBox<const D: usize> {
+    min: Vector<D>,
+    max: Vector<D>,
+}
+
+/// Why two corners do not make an [`AxisBox`].
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum BoxError {
+    /// A coordinate is not a finite number.
+    #[error("coordinate {axis} is not finite: min {min}, max {max}")]
+    NotFinite {
+        /// Index of the coordinate.
+        axis: usize,
+        /// Its least value, metres.
+        min: f64,
+        /// Its greatest value, metres.
+        max: f64,
+    },
+    /// The box has no interior along a coordinate.
+    #[error("coordinate {axis} is inverted or empty: min {min} must be less than max {max}")]
+    Inverted {
+        /// Index of the coordinate.
+        axis: usize,
+        /// Its least value, metres.
+        min: f64,
+        /// Its greatest value, metres.
+        max: f64,
+    },
+}
+
+impl<const D: usize> AxisBox<D> {
+    /// The box between two opposite corners, which must be finite and in order.
+    pub fn new(min: Vector<D>, max: Vector<D>) -> Result<Self, BoxError> {
+        for axis in 0..D {
+            let (min, max) = (min[axis], max[axis]);
+            if !(min.is_finite() && max.is_finite()) {
+                return Err(BoxError::NotFinite { axis, min, max });
+            }
+            if min >= max {
+                return Err(BoxError::Inverted { axis, min, max });
+            }
+        }
+        Ok(Self { min, max })
+    }
+
+    /// The corner with the least coordinates, metres.
+    pub fn min(&self) -> Vector<D> {
+        self.min
+    }
+
+    /// The corner with the greatest coordinates, metres.
+    pub fn max(&self) -> Vector<D> {
+        self.max
+    }
+
+    /// Extent along every axis, metres.
+    pub fn size(&self) -> Vector<D> {
+        self.max - self.min
+    }
+
+    /// The middle of the box, metres.
+    pub fn center(&self) -> Vector<D> {
+        (self.min + self.max) / 2.0
+    }
+
+    /// The common part of two boxes, if it has an interior (equation 2.4).
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        let min = self.min.sup(&other.min);
+        let max = self.max.inf(&other.max);
+        (0..D).all(|axis| min[axis] < max[axis]).then_some(Self { min, max })
+    }
+
+    /// Whether `other` lies in this box, contact included.
+    pub fn contains(&self, other: &Self) -> bool {
+        (0..D).all(|axis| self.min[axis] <= other.min[axis] && other.max[axis] <= self.max[axis])
+    }
+
+    /// The same box moved by `displacement`, metres.
+    pub fn translated(&self, displacement: &Vector<D>) -> Self {
+        Self { min: self.min + displacement, max: self.max + displacement }
+    }
+}
+
+/// Which way along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Sign {
+    /// Towards smaller coordinates.
+    Negative,
+    /// Towards greater coordinates.
+    Positive,
+}
+
+impl Sign {
+    /// The sign of `value`; zero counts as positive.
+    pub fn of(value: f64) -> Self {
+        if value < 0.0 { Self::Negative } else { Self::Positive }
+    }
+
+    /// -1.0 or +1.0.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Negative => -1.0,
+            Self::Positive => 1.0,
+        }
+    }
+
+    /// The other way.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Negative => Self::Positive,
+            Self::Positive => Self::Negative,
+        }
+    }
+}
+
+/// A direction along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Direction {
+    /// Index of the coordinate.
+    pub axis: usize,
+    /// Which way along it.
+    pub sign: Sign,
+}
+
+impl Direction {
+    /// `point`'s coordinate along this direction, metres: it grows when moving that way.
+    pub fn coordinate<const D: usize>(self, point: &Vector<D>) -> f64 {
+        self.sign.factor() * point[self.axis]
+    }
+}
