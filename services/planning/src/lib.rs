@@ -10,5 +10,6 @@
 //! assembly tasks in two dimensions live in (x, z), driving scenes in (x, y),
 //! scenes in three dimensions in (x, y, z); coordinates are held in that order.
 
+pub mod clearance;
 pub mod geometry;
 pub mod motion;
