@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::prelude::{AllocationStrategy, Node, PortName, ipc};
+use iceoryx2::prelude::{AllocationStrategy, Node, PortFactory, PortName, ipc};
 use schemas::convert::{self, Malformed};
 use schemas::message::{
     AssembleError, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
@@ -81,7 +81,9 @@ type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyH
 pub struct Client {
     port: Port,
     ringer: Notifier<ipc::Service>,
-    bell: Listener<ipc::Service>,
+    wake: ports::Bell,
+    /// None where this client polls.
+    bell: Option<Listener<ipc::Service>>,
     how: Wait,
     key: RequestKey,
     cells: Vec<u64>,
@@ -116,16 +118,22 @@ impl Client {
         for _ in 0..nonce % 256 {
             drop(port.loan_slice_uninit(0));
         }
-        let ringer =
-            wake.notifier_builder().create().map_err(|error| full(ports::said(error)))?;
-        let bell = answered
-            .listener_builder()
-            .name(&PortName::new(&format!("{nonce:016x}")).expect("16 digits are a name"))
-            .create()
-            .map_err(|error| full(ports::said(error)))?;
+        let ringer = wake.notifier_builder().create().map_err(|error| full(ports::said(error)))?;
+        let name = PortName::new(&format!("{nonce:016x}")).expect("16 digits are a name");
+        let bell = match how {
+            Wait::Poll => None,
+            Wait::Event | Wait::Hybrid => Some(
+                answered
+                    .listener_builder()
+                    .name(&name)
+                    .create()
+                    .map_err(|error| full(ports::said(error)))?,
+            ),
+        };
         Ok(Self {
             port,
             ringer,
+            wake,
             bell,
             how,
             key: RequestKey { client: nonce, sequence: 0 },
@@ -138,9 +146,8 @@ impl Client {
     /// Sends a request.
     pub fn send(&mut self, scene: &SceneRequest) -> Result<Pending<'_>, CallError> {
         self.cells.clear();
-        let header =
-            convert::write_scene(scene, self.key, crate::now_ns(), &mut self.cells)
-                .map_err(CallError::Scene)?;
+        let header = convert::write_scene(scene, self.key, crate::now_ns(), &mut self.cells)
+            .map_err(CallError::Scene)?;
         let cells = std::mem::take(&mut self.cells);
         let sent = self.send_raw(header, &cells);
         self.cells = cells;
@@ -167,14 +174,13 @@ impl Client {
         let key = self.key;
         self.key.sequence += 1;
         (header.client, header.sequence) = (key.client, key.sequence);
-        header.wake = (self.how != Wait::Poll).into();
+        header.wake = self.bell.is_some().into();
         let failed = |error: &dyn std::fmt::Debug| CallError::Send(ports::said(error));
         let mut request =
             self.port.loan_slice_uninit(cells.len()).map_err(|error| failed(&error))?;
         request.user_header_mut().0 = header;
-        let awaited =
-            request.write_from_slice(cells).send().map_err(|error| failed(&error))?;
-        if self.how != Wait::Poll {
+        let awaited = request.write_from_slice(cells).send().map_err(|error| failed(&error))?;
+        if self.wake.dynamic_config().number_of_listeners() > 0 {
             self.ringer.notify().map_err(|error| failed(&error))?;
         }
         Ok((awaited, key))
@@ -271,7 +277,7 @@ impl Pending<'_> {
             }
             let Client { node, bell, how, .. } = self.client;
             let woken =
-                wait::wait(*how, node, bell, Some(until), || self.awaited.has_response());
+                wait::wait(*how, node, bell.as_ref(), Some(until), || self.awaited.has_response());
             if woken == Woken::Terminate {
                 return Err(CallError::Interrupted);
             }

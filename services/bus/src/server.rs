@@ -7,6 +7,7 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::{BackpressureAction, SendError};
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, CallbackProgression, Node, ipc};
+use iceoryx2::service::port_factory::server::ServerCreateError;
 use schemas::convert::{CellWriter, PartSink};
 use schemas::wire;
 use thiserror::Error;
@@ -103,7 +104,8 @@ type Active = ActiveRequest<ipc::Service, [u64], RequestHeader, [u64], ReplyHead
 #[derive(Debug)]
 pub struct Server {
     port: Port,
-    bell: Listener<ipc::Service>,
+    /// None where the planner polls.
+    bell: Option<Listener<ipc::Service>>,
     ringer: Notifier<ipc::Service>,
     tap: TapWriter,
     node: Node<ipc::Service>,
@@ -133,8 +135,7 @@ impl Server {
         }
         let node = domain.join("planner")?;
         node.try_cleanup_dead_nodes();
-        let failed =
-            |what| move |cause| OpenError::Service { what, domain: domain.clone(), cause };
+        let failed = |what| move |cause| OpenError::Service { what, domain: domain.clone(), cause };
         let plan = ports::create_plan(&node, options).map_err(failed("the request port"))?;
         let wake = ports::create_wake(&node, options).map_err(failed("the wake-up bell"))?;
         let answered = ports::create_answered(&node, options).map_err(failed("the reply bell"))?;
@@ -157,15 +158,19 @@ impl Server {
             .create();
         let port = match port {
             Ok(port) => port,
-            Err(iceoryx2::port::server::ServerCreateError::ExceedsMaxSupportedServers) => {
+            Err(ServerCreateError::ExceedsMaxSupportedServers) => {
                 return Err(OpenError::AnotherPlanner(domain.clone()));
             }
             Err(error) => return Err(failed("the request port")(ports::said(error))),
         };
-        let bell = wake
-            .listener_builder()
-            .create()
-            .map_err(|error| failed("the wake-up bell")(ports::said(error)))?;
+        let bell = match options.wait {
+            Wait::Poll => None,
+            Wait::Event | Wait::Hybrid => Some(
+                wake.listener_builder()
+                    .create()
+                    .map_err(|error| failed("the wake-up bell")(ports::said(error)))?,
+            ),
+        };
         let ringer = answered
             .notifier_builder()
             .create()
@@ -193,7 +198,7 @@ impl Server {
     /// Waits for a request or a signal to end.
     pub fn wait(&mut self) -> Woken {
         let port = &self.port;
-        let woken = wait::wait(self.how, &self.node, &self.bell, None, || {
+        let woken = wait::wait(self.how, &self.node, self.bell.as_ref(), None, || {
             port.has_requests().unwrap_or(true)
         });
         self.tap.heartbeat();

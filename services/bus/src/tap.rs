@@ -96,12 +96,8 @@ impl TapWriter {
     }
 
     fn send(&mut self, kind: u32, piece: u32, head: &[u64], cells: &[u64]) {
-        let header = wire::TapHeader {
-            sequence: self.sequence,
-            time_ns: crate::now_ns(),
-            kind,
-            piece,
-        };
+        let header =
+            wire::TapHeader { sequence: self.sequence, time_ns: crate::now_ns(), kind, piece };
         if kind != BEAT {
             self.sequence += 1;
         }
@@ -109,8 +105,9 @@ impl TapWriter {
         match self.port.loan_slice_uninit(head.len() + cells.len()) {
             Ok(mut sample) => {
                 sample.user_header_mut().0 = header;
-                let written = sample
-                    .write_from_fn(|at| head.get(at).copied().unwrap_or_else(|| cells[at - head.len()]));
+                let written = sample.write_from_fn(|at| {
+                    head.get(at).copied().unwrap_or_else(|| cells[at - head.len()])
+                });
                 if let Err(error) = written.send() {
                     tracing::warn!(?error, "the tap lost a message");
                 }
@@ -122,6 +119,7 @@ impl TapWriter {
 
 /// What a [`TapReader`] sees.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly every event is a message")]
 pub enum TapEvent {
     /// A message.
     Message(TapMessage),
@@ -137,6 +135,7 @@ pub enum TapEvent {
 
 /// A message seen on the tap.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "messages are passed on, not kept in lists")]
 pub enum TapMessage {
     /// A request.
     Request(Request),
@@ -258,9 +257,11 @@ fn read_message(header: &wire::TapHeader, cells: &[u64]) -> Option<TapMessage> {
         REPLY => split::<wire::ReplyHeader>(cells)
             .and_then(|(header, cells)| convert::read_part(&header, cells))
             .map(TapMessage::Reply),
-        code => {
-            Err(Malformed::UnknownCode { what: "tap kind", code: code.into(), greatest: BEAT.into() })
-        }
+        code => Err(Malformed::UnknownCode {
+            what: "tap kind",
+            code: code.into(),
+            greatest: BEAT.into(),
+        }),
     };
     // A planner of this layout writes no such thing.
     read.inspect_err(|error| tracing::warn!(%error, "unreadable message on the tap")).ok()
@@ -270,10 +271,8 @@ fn split<T: bytemuck::Pod>(cells: &[u64]) -> Result<(T, &[u64]), Malformed> {
     let size = size_of::<T>() / 8;
     match cells.split_at_checked(size) {
         Some((head, rest)) => Ok((bytemuck::pod_read_unaligned(bytemuck::cast_slice(head)), rest)),
-        None => Err(Malformed::TooShort {
-            what: "header",
-            needs: size as u64,
-            has: cells.len() as u64,
-        }),
+        None => {
+            Err(Malformed::TooShort { what: "header", needs: size as u64, has: cells.len() as u64 })
+        }
     }
 }

@@ -33,11 +33,13 @@ pub enum Woken {
     Terminate,
 }
 
-/// Waits until `ready` holds or `bell` rings, at most until `until`, at most [`NET`].
+/// Waits until `ready` holds or the bell rings, at most until `until`, at most [`NET`].
+///
+/// Who polls has no bell, so that the other side does not ring it.
 pub(crate) fn wait(
     how: Wait,
     node: &Node<ipc::Service>,
-    bell: &Listener<ipc::Service>,
+    bell: Option<&Listener<ipc::Service>>,
     until: Option<Instant>,
     mut ready: impl FnMut() -> bool,
 ) -> Woken {
@@ -63,7 +65,7 @@ pub(crate) fn wait(
     if terminated(node) {
         return Woken::Terminate;
     }
-    if how != Wait::Poll {
+    if let Some(bell) = bell {
         let rest = end.saturating_duration_since(Instant::now());
         if !rest.is_zero() && bell.timed_wait(|_| {}, rest).is_ok_and(|rings| rings != 0) {
             silence(bell);
