@@ -50,6 +50,25 @@ fn sampled(bencher: Bencher, (legs, stops): (Vec<Leg<2>>, Stops), sampling: Samp
     let mut slots: Vec<State<2>> = samples.collect();
     bencher.bench_local(|| {
         let samples = profile.samples(black_box(&legs), black_box(sampling));
+        let mut slots = slots.iter_mut();
+        samples.for_each(|state| {
+            if let Some(slot) = slots.next() {
+                *slot = state;
+            }
+        });
+        black_box(slots.len())
+    });
+}
+
+#[divan::bench]
+fn thousand_samples_over_lines_one_by_one(bencher: Bencher) {
+    let (legs, stops) = lines();
+    let mut profile = Profile::default();
+    profile.plan(&legs, &Limits::default(), stops);
+    let sampling = Sampling::count(1000).unwrap();
+    let mut slots: Vec<State<2>> = profile.samples(&legs, sampling).collect();
+    bencher.bench_local(|| {
+        let samples = profile.samples(black_box(&legs), black_box(sampling));
         for (slot, state) in slots.iter_mut().zip(samples) {
             *slot = state;
         }
