@@ -13,3 +13,4 @@
 pub mod clearance;
 pub mod geometry;
 pub mod motion;
+pub mod trajectory;
