@@ -36,3 +36,12 @@ pub fn check_version(header: &RequestHeader) -> Result<(), Refusal> {
 pub fn unreadable(malformed: &Malformed) -> Refusal {
     Refusal::invalid("request", format!("the request's memory is no scene: {malformed}"))
 }
+
+/// The header that [`RequestContent::Unreadable`] keeps; zero where words are missing.
+pub fn header_of(words: &[u64]) -> RequestHeader {
+    let mut header = RequestHeader::default();
+    let target: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut header));
+    let length = words.len().min(target.len());
+    target[..length].copy_from_slice(&words[..length]);
+    header
+}
