@@ -2,7 +2,7 @@
 
 use super::profile::{Phase, Profile};
 use super::sampling::{Grid, Sampling, first_multiple};
-use super::track::{Track, arc_end, end_heading, end_position, start_position};
+use super::track::{Shape, Track, arc_end, end_heading, end_position, start_position};
 use crate::geometry::Vector;
 use crate::motion::Leg;
 
@@ -109,7 +109,36 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let track = self.track.as_mut()?;
         let measured = self.multiple * self.step;
         self.multiple += 1.0;
-        Some(self.law.state(track, measured, self.grid.by_time))
+        let (time, along, speed) = if self.grid.by_time {
+            self.law.motion::<true>(measured)
+        } else {
+            self.law.motion::<false>(measured)
+        };
+        Some(track.state(time, along, speed))
+    }
+
+    /// Folds the states that are left of the current law, each made by `place`.
+    #[inline]
+    fn run<const BY_TIME: bool, B>(
+        &mut self,
+        init: B,
+        f: &mut impl FnMut(B, State<D>) -> B,
+        place: impl Fn(&mut Track<D>, f64, f64, f64) -> State<D>,
+    ) -> B {
+        let mut all = init;
+        if let Some(track) = &mut self.track {
+            // Held apart from `self`, and so in registers.
+            let (law, step, end) = (self.law, self.step, self.end);
+            let (mut near, mut multiple) = (track.clone(), self.multiple);
+            while multiple < end {
+                let (time, along, speed) = law.motion::<BY_TIME>(multiple * step);
+                all = f(all, place(&mut near, time, along, speed));
+                multiple += 1.0;
+            }
+            self.multiple = multiple;
+            *track = near;
+        }
+        all
     }
 
     /// The state where the next phase begins, and the way into that phase; after
@@ -171,24 +200,18 @@ impl<'a, const D: usize> Sampler<'a, D> {
 }
 
 impl Law {
-    /// The state where the grid measures `measured`.
+    /// Time, distance from the leg's start and speed where the grid measures `measured`.
     #[inline]
-    fn state<const D: usize>(
-        &self,
-        track: &mut Track<D>,
-        measured: f64,
-        by_time: bool,
-    ) -> State<D> {
+    fn motion<const BY_TIME: bool>(&self, measured: f64) -> (f64, f64, f64) {
         let Self { mark, time, along, speed, acceleration } = *self;
         let beyond = measured - mark;
-        if by_time {
+        if BY_TIME {
             let moved = beyond * (speed + 0.5 * acceleration * beyond);
-            track.state(measured, along + moved, speed + acceleration * beyond)
+            (measured, along + moved, speed + acceleration * beyond)
         } else {
             let there = (speed * speed + 2.0 * acceleration * beyond).max(0.0).sqrt();
             // Distance over mean speed.
-            let later = 2.0 * beyond / (speed + there);
-            track.state(time + later, along + beyond, there)
+            (time + 2.0 * beyond / (speed + there), along + beyond, there)
         }
     }
 
@@ -251,15 +274,17 @@ impl<const D: usize> Iterator for Sampler<'_, D> {
     fn fold<B, F: FnMut(B, State<D>) -> B>(mut self, init: B, mut f: F) -> B {
         let mut all = init;
         loop {
-            if let Some(mut track) = self.track.take() {
-                let (law, step, by_time) = (self.law, self.step, self.grid.by_time);
-                let mut multiple = self.multiple;
-                while multiple < self.end {
-                    all = f(all, law.state(&mut track, multiple * step, by_time));
-                    multiple += 1.0;
-                }
-                self.multiple = multiple;
-                self.track = Some(track);
+            if self.multiple < self.end {
+                // A loop for each shape, so that nothing is decided state by state.
+                let shape = self.track.as_ref().map_or(Shape::Line, Track::shape);
+                all = match (shape, self.grid.by_time) {
+                    (Shape::Line, true) => self.run::<true, B>(all, &mut f, Track::on_line),
+                    (Shape::Line, false) => self.run::<false, B>(all, &mut f, Track::on_line),
+                    (Shape::Bend, true) => self.run::<true, B>(all, &mut f, Track::on_bend),
+                    (Shape::Bend, false) => self.run::<false, B>(all, &mut f, Track::on_bend),
+                    (Shape::Arc, true) => self.run::<true, B>(all, &mut f, Track::on_arc),
+                    (Shape::Arc, false) => self.run::<false, B>(all, &mut f, Track::on_arc),
+                };
             }
             match self.advance() {
                 Some(state) => all = f(all, state),

@@ -309,7 +309,7 @@ fn section_4_is_timed_by_triangles_and_trapezoids() {
         let (_, end) = profile.leg_times(index);
         assert!((end - expected).abs() < 1e-14 * expected, "{end} {expected}");
     }
-    assert!((profile.length() - 7.403233666327680).abs() < 1e-14);
+    assert!((profile.length() - 7.40323366632768).abs() < 1e-14);
     assert_eq!(profile.duration(), profile.leg_times(2).1);
 }
 

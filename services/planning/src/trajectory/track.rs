@@ -25,6 +25,17 @@ pub(super) struct Track<const D: usize> {
     arc: Option<Arc>,
 }
 
+/// What is to be computed at each state of a leg.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// Only where it is: a line.
+    Line,
+    /// The heading too: a turn in place, a line that turns on the way.
+    Bend,
+    /// The direction of travel as well: an arc.
+    Arc,
+}
+
 /// An arc about a centre, with the direction from it to the body at a node nearby.
 #[derive(Debug, Clone)]
 struct Arc {
@@ -81,32 +92,63 @@ impl<const D: usize> Track<D> {
         self
     }
 
+    /// Which of `on_line`, `on_bend` and `on_arc` evaluates this leg.
+    #[inline]
+    pub(super) fn shape(&self) -> Shape {
+        match &self.arc {
+            Some(_) => Shape::Arc,
+            None if self.curvature == 0.0 => Shape::Line,
+            None => Shape::Bend,
+        }
+    }
+
     /// The state at `time`, `along` from the start (metres, or radians in
     /// place) with `speed` there.
     #[inline]
     pub(super) fn state(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
-        let mut position = self.origin;
-        let mut velocity = self.direction;
+        match self.shape() {
+            Shape::Line => self.on_line(time, along, speed),
+            Shape::Bend => self.on_bend(time, along, speed),
+            Shape::Arc => self.on_arc(time, along, speed),
+        }
+    }
+
+    /// `state` of a line without turning.
+    #[inline]
+    pub(super) fn on_line(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        State {
+            time,
+            position: self.origin + self.direction * along,
+            heading: self.heading,
+            velocity: self.direction * speed,
+            yaw_rate: 0.0,
+        }
+    }
+
+    /// `state` of a turn in place and of a line that turns on the way.
+    #[inline]
+    pub(super) fn on_bend(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        State {
+            heading: wrapped(self.heading + self.curvature * along),
+            yaw_rate: self.curvature * speed,
+            ..self.on_line(time, along, speed)
+        }
+    }
+
+    /// `state` of an arc.
+    #[inline]
+    pub(super) fn on_arc(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        let mut state = self.on_bend(time, along, speed);
         if let Some(arc) = &mut self.arc {
             let (cos, sin) = arc.direction(along);
             let across = speed * arc.sense;
-            position[0] += arc.radius * cos;
-            position[1] += arc.radius * sin;
-            velocity[0] = 0.0 - across * sin;
-            velocity[1] = 0.0 + across * cos;
-        } else {
-            for axis in 0..D {
-                position[axis] += self.direction[axis] * along;
-                velocity[axis] *= speed;
-            }
+            state.position[0] += arc.radius * cos;
+            state.position[1] += arc.radius * sin;
+            // A sum with zero is no negative zero; a product may be.
+            state.velocity[0] = 0.0 - across * sin;
+            state.velocity[1] = 0.0 + across * cos;
         }
-        State {
-            time,
-            position,
-            heading: wrapped(self.heading + self.curvature * along),
-            velocity,
-            yaw_rate: self.curvature * speed,
-        }
+        state
     }
 }
 
