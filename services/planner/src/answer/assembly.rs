@@ -331,13 +331,17 @@ impl<const D: usize> Assembly<D> {
     ) -> Result<(), S::Error> {
         let Self { path, clearances, profile, channels, .. } = self;
         let legs = path.legs();
-        let samples = profile.samples(legs, terms.sampling);
+        let still = Profile::default();
+        let samples = match sampled {
+            true => profile.samples(legs, terms.sampling),
+            false => still.samples(&[], terms.sampling),
+        };
         let lists = TrajectoryWriter {
             gaps: (0..path.gaps().len() * D).map(|at| path.gaps()[at / D][at % D]),
             route: (0..channels.len()).map(|channel| channel as u64),
             channels: std::iter::empty(),
             legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
-            samples: samples.map(|state| parts::sample(&state)).take(if sampled { usize::MAX } else { 0 }),
+            samples: samples.map(|state| parts::sample(&state)),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = D as u32;

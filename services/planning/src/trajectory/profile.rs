@@ -3,7 +3,8 @@
 use super::limits::Limits;
 use super::sampler::Sampler;
 use super::sampling::{Grid, Sampling};
-use super::track::{end_heading, start_heading, wrapped};
+use super::track::{end_heading, start_heading};
+use crate::motion::wrapped;
 use crate::motion::{Curve, Leg};
 
 /// Below this many metres (radians) a leg has no length (turns by nothing); no

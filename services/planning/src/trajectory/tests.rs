@@ -1,8 +1,9 @@
 //! What any trajectory promises, over random chains of legs.
 
-use super::track::{end_heading, start_heading, wrapped};
+use super::track::{end_heading, start_heading};
 use super::*;
 use crate::geometry::Vector;
+use crate::motion::wrapped;
 use crate::motion::{Curve, Leg};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -2,8 +2,8 @@
 
 use super::sampler::State;
 use crate::geometry::Vector;
-use crate::motion::{Curve, Leg};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use crate::motion::{Curve, Leg, wrapped};
+use std::f64::consts::FRAC_PI_2;
 
 /// Angle between the places of an arc where sine and cosine are computed, radians.
 const NODE_SPACING: f64 = 0.5;
@@ -289,25 +289,6 @@ pub(super) fn arc_end<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
     end[0] += radius * cos;
     end[1] += radius * sin;
     Some(end)
-}
-
-/// `angle`, radians, reduced to (-pi, pi] and without a negative zero.
-#[inline]
-pub(super) fn wrapped(angle: f64) -> f64 {
-    let mut angle = angle + 0.0;
-    if angle > PI {
-        angle -= TAU;
-    } else if angle <= -PI {
-        angle += TAU;
-    }
-    if angle.abs() > PI { reduced(angle) } else { angle }
-}
-
-/// The reduction of an angle more than one turn away.
-#[cold]
-fn reduced(angle: f64) -> f64 {
-    let angle = angle - TAU * libm::round(angle / TAU);
-    if angle <= -PI { PI } else { angle.min(PI) }
 }
 
 #[cfg(test)]
