@@ -295,6 +295,7 @@ pub(super) fn arc_end<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::{PI, TAU};
 
     #[test]
     fn headings_are_in_the_half_open_turn() {
