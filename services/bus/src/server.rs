@@ -227,6 +227,11 @@ impl Incoming<'_> {
         self.active.user_header().0
     }
 
+    /// The request's header alone.
+    pub fn header(&self) -> wire::RequestHeader {
+        self.active.user_header().0
+    }
+
     /// How many cells the request's payload has.
     pub fn cells(&self) -> usize {
         self.active.payload().len()
