@@ -71,10 +71,10 @@ fn section_4_at_three_gaps() {
     let near = [[4.5, 1.01], [4.01, 2.01], [2.5, 3.0], [2.5, 7.0]];
     check_section_4(Gap::Uniform(0.01), near, 6.919200165541185);
     let middle = [[4.5, 1.01], [4.2, 2.2], [2.31, 2.81], [2.31, 7.0]];
-    check_section_4(Gap::Uniform(0.2), middle, 7.403233666327680);
+    check_section_4(Gap::Uniform(0.2), middle, 7.40323366632768);
     let safest = [[4.5, 1.01], [4.255, 2.505], [1.755, 2.505], [1.755, 7.0]];
-    check_section_4(Gap::Safest, safest, 8.509942243123480);
-    check_section_4(Gap::Fraction(1.0), safest, 8.509942243123480);
+    check_section_4(Gap::Safest, safest, 8.50994224312348);
+    check_section_4(Gap::Fraction(1.0), safest, 8.50994224312348);
 }
 
 #[test]
