@@ -132,7 +132,8 @@ impl<'a> Wishes<'a> {
         if (1..=MOST_ANSWERS).contains(&count) {
             return Ok(Self { clearance, count: count as u32 });
         }
-        let message = format!("{field} asks for {count} answers, from 1 to {MOST_ANSWERS} can be had");
+        let message =
+            format!("{field} asks for {count} answers, from 1 to {MOST_ANSWERS} can be had");
         Err(Refusal::invalid(field, message))
     }
 
@@ -155,9 +156,7 @@ impl<'a> Wishes<'a> {
                 Choice::Gaps(gaps) => Wish::Gaps(gaps),
                 Choice::Safest => Wish::Safest,
             },
-            ClearanceWish::Curve(points) => {
-                Wish::Fraction(f64::from(index + 1) / *points as f64)
-            }
+            ClearanceWish::Curve(points) => Wish::Fraction(f64::from(index + 1) / *points as f64),
         }
     }
 
@@ -177,13 +176,11 @@ impl<'a> Wishes<'a> {
 pub fn reply_to(request: &Request) -> Reply {
     let mut workspace = Workspace::default();
     let mut collect = Collect::default();
-    let Ok(()) = (match &request.content {
-        RequestContent::Scene(scene) => {
-            workspace.answering.scene(request.key, scene, &mut collect)
-        }
+    let Ok(()) = match &request.content {
+        RequestContent::Scene(scene) => workspace.answering.scene(request.key, scene, &mut collect),
         RequestContent::Unreadable { header, cells } => {
             workspace.answer(&convert::header_of(header), cells, &mut collect)
         }
-    });
+    };
     collect.reply()
 }

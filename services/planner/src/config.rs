@@ -74,8 +74,14 @@ pub enum ConfigError {
 
 impl Default for Config {
     fn default() -> Self {
-        let ServerOptions { max_clients, requests_per_client, max_recorders, tap_buffer, wait, reply } =
-            ServerOptions::default();
+        let ServerOptions {
+            max_clients,
+            requests_per_client,
+            max_recorders,
+            tap_buffer,
+            wait,
+            reply,
+        } = ServerOptions::default();
         Self {
             wait: match wait {
                 Wait::Event => WaitFor::Event,

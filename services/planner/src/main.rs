@@ -13,7 +13,9 @@ use tracing_subscriber::EnvFilter;
 /// Answers scene requests over shared memory with sampled trajectories, until SIGINT
 /// or SIGTERM.
 #[derive(Parser)]
-#[command(version, after_help = "\
+#[command(
+    version,
+    after_help = "\
 Settings in FILE (TOML), with their defaults:
   wait = \"hybrid\"          # \"event\" sleeps, \"poll\" takes a core, \"hybrid\" spins, then sleeps
   max_clients = 32         # clients at a time
@@ -23,7 +25,8 @@ Settings in FILE (TOML), with their defaults:
   patience = 0.1           # seconds that a reply waits for a client that does not take it
 
 Diagnostics go to stderr; RUST_LOG chooses them (RUST_LOG=debug shows every request).
-Exit codes: 0 ended by a signal, 1 failure, 2 usage.")]
+Exit codes: 0 ended by a signal, 1 failure, 2 usage."
+)]
 struct Arguments {
     /// Settings
     #[arg(long, value_name = "FILE")]

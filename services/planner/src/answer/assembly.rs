@@ -88,8 +88,7 @@ impl Assembly<2> {
         }
         match &scene.body {
             message::Body::Polygon(vertices) => {
-                let body =
-                    check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;
+                let body = check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;
                 let terms = Terms::new(scene, PLANE, Body::from_polygon(&body))?;
                 let answered = self.answer_body(key, &terms, wishes, sink);
                 self.body = body.into_vertices();
@@ -140,7 +139,10 @@ impl Assembly<3> {
 
 impl<'a, const D: usize> Terms<'a, D> {
     fn new(scene: &'a SceneRequest, axes: Axes, body: Body<'a, D>) -> Result<Self, Refusal> {
-        let up = Direction { axis: axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0), sign: Sign::Positive };
+        let up = Direction {
+            axis: axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0),
+            sign: Sign::Positive,
+        };
         let exits = match scene.exit.as_slice() {
             [] => Ok(vec![up]),
             exits => exits.iter().map(|exit| check::direction::<D>(&axes, *exit)).collect(),
@@ -288,11 +290,10 @@ impl<const D: usize> Assembly<D> {
     ) -> Result<(), Refused> {
         let gap = match wish {
             Wish::Gap(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
-            Wish::Gap(Gap::PerAxis(gaps)) => {
-                disassembly::Gap::PerAxis(per_axis(&gaps).ok_or_else(|| {
-                    check::gaps_per_axis(field(), gaps.dimension(), D)
-                })?)
-            }
+            Wish::Gap(Gap::PerAxis(gaps)) => disassembly::Gap::PerAxis(
+                per_axis(&gaps)
+                    .ok_or_else(|| check::gaps_per_axis(field(), gaps.dimension(), D))?,
+            ),
             Wish::Gaps(gaps) => {
                 self.gaps.clear();
                 for (junction, gap) in gaps.iter().enumerate() {

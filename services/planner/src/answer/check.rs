@@ -26,10 +26,14 @@ pub(super) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
     let free_space = &scene.free_space;
     match (&free_space.channels, &free_space.solids) {
         (None, None) => {
-            return Err(Refusal::invalid("free_space", "free_space has neither channels nor solids"));
+            return Err(Refusal::invalid(
+                "free_space",
+                "free_space has neither channels nor solids",
+            ));
         }
         (None, Some(_)) => {
-            let message = "free_space: channels are not made from solids yet; give channels as well";
+            let message =
+                "free_space: channels are not made from solids yet; give channels as well";
             return Err(Refusal::invalid("free_space.channels", message));
         }
         (Some(channels), _) if channels.len() > 1 && !free_space.in_order => {
@@ -42,7 +46,8 @@ pub(super) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
     if let Some(deadline) = scene.deadline
         && !(deadline.is_finite() && deadline > 0.0)
     {
-        let message = format!("deadline must be a number of seconds greater than 0, not {deadline}");
+        let message =
+            format!("deadline must be a number of seconds greater than 0, not {deadline}");
         return Err(Refusal::invalid("deadline", message));
     }
     Ok(())
