@@ -1,9 +1,11 @@
 //! Owned messages: what is planned from, answered and recorded.
 
+mod assemble;
 mod reply;
 mod scene;
 mod vector;
 
+pub use assemble::{AssembleError, ReplyAssembler};
 pub use reply::{
     Answer, Clearance, Curve, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule, Trajectory,
 };
