@@ -1,1 +1,7 @@
-fn main() {}
+//! The `replay` command; see `replay --help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    replay::cli::main(planner::reply_to)
+}
