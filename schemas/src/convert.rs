@@ -8,8 +8,10 @@
 mod cells;
 mod codes;
 mod reply;
+mod request;
 mod scene;
 
 pub use cells::{CellWriter, Malformed};
 pub use reply::{PartSink, TrajectoryWriter, read_part, write_refusal};
+pub use request::{check_version, header_of, read_request, unreadable};
 pub use scene::{dimension, read_scene, write_scene};

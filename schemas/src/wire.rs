@@ -82,6 +82,10 @@ pub struct RequestHeader {
     pub wish_kind: u32,
     /// Directions in the payload.
     pub exits: u32,
+    /// 1 where the client sleeps and is to be woken, 0 where it polls.
+    pub wake: u32,
+    /// 0.
+    pub reserved: u32,
     /// A period or spacing as `f64` bits, or a count.
     pub sampling: u64,
     /// Speed, acceleration, yaw rate, yaw acceleration, lateral acceleration; SI.
@@ -227,6 +231,6 @@ pub struct TapHeader {
     pub time_ns: u64,
     /// 0 a request, 1 a part of a reply, 2 a heartbeat without payload.
     pub kind: u32,
-    /// 1 where the message is cut here and goes on in the next of the tap.
-    pub continues: u32,
+    /// Long messages are cut: bit 0 where one begins, bit 1 where it ends.
+    pub piece: u32,
 }

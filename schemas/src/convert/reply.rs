@@ -58,6 +58,7 @@ where
         let channel_cells = 2 * header.dimension as usize;
         header.kind = 0;
         header.refusal = 0;
+        let mut samples = Some(self.samples);
         loop {
             let mut room = PART_CELLS;
             // A list is begun only when the lists before it are complete.
@@ -70,8 +71,9 @@ where
             header.route = take(self.route.len(), 1);
             header.channels = take(self.channels.len(), channel_cells);
             header.legs = take(self.legs.len(), LEG_CELLS);
-            header.samples = take(self.samples.len(), SAMPLE_CELLS);
-            let complete = header.samples as usize == self.samples.len()
+            let samples_left = samples.as_ref().map_or(0, Samples::len);
+            header.samples = take(samples_left, SAMPLE_CELLS);
+            let complete = header.samples as usize == samples_left
                 && header.legs as usize == self.legs.len()
                 && header.channels as usize == self.channels.len()
                 && header.route as usize == self.route.len()
@@ -92,8 +94,14 @@ where
                     }
                 }
                 self.legs.by_ref().take(head.legs as usize).for_each(|leg| writer.push_pod(&leg));
-                for sample in self.samples.by_ref().take(head.samples as usize) {
-                    writer.push_pod(&sample);
+                // All that is left is iterated from inside, which is several times faster.
+                if complete {
+                    samples.take().into_iter().for_each(|all| {
+                        all.for_each(|sample| writer.push_pod(&sample));
+                    });
+                } else if let Some(samples) = &mut samples {
+                    let some = samples.by_ref().take(head.samples as usize);
+                    some.for_each(|sample| writer.push_pod(&sample));
                 }
             })?;
             header.part += 1;

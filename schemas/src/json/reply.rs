@@ -45,7 +45,6 @@ impl<'a> From<&'a Reply> for ReplyView<'a> {
 
 #[derive(Serialize)]
 #[serde(untagged)]
-#[expect(clippy::large_enum_variant, reason = "nearly every answer is a trajectory")]
 enum AnswerView<'a> {
     Trajectory(TrajectoryView<'a>),
     Refusal { error: RefusalView<'a> },

@@ -47,6 +47,26 @@ pub struct SceneRequest {
     pub deadline: Option<f64>,
 }
 
+impl SceneRequest {
+    /// A scene without anything in it, to read another into.
+    pub fn empty() -> Self {
+        Self {
+            id: None,
+            task: Task::Disassemble,
+            free_space: FreeSpace::default(),
+            body: Body::Polygon(Vec::new()),
+            exit: Vec::new(),
+            start: None,
+            goal: None,
+            start_turn: None,
+            clearance: ClearanceWish::Safest,
+            limits: Limits::default(),
+            sampling: None,
+            deadline: None,
+        }
+    }
+}
+
 /// What to plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -139,3 +139,6 @@ impl Direction {
         self.sign.factor() * point[self.axis]
     }
 }
+
+pub mod box_tree;
+pub mod polygon;

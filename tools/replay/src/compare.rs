@@ -558,7 +558,7 @@ mod tests {
             assert_eq!(digits(value), expected);
             assert_eq!(expected.parse::<f64>().unwrap().to_bits(), value.to_bits());
         };
-        check(7.403233666327680, "7.4032336663276804");
+        check(7.40323366632768, "7.4032336663276804");
         check(-1234.5, "-1234.5000000000000");
         check(1e-5, "0.000010000000000000001");
         check(1e-6, "9.9999999999999995e-7");
