@@ -13,7 +13,9 @@ use tracing_subscriber::EnvFilter;
 /// Logs all requests and replies of a planner to an MCAP file until told to stop
 /// (SIGINT, SIGTERM), then finishes the file.
 #[derive(Parser)]
-#[command(version, after_help = "\
+#[command(
+    version,
+    after_help = "\
 Examples:
   recorder -o run.mcap
   recorder -o run.mcap --for 60s --flush 100ms
@@ -22,7 +24,8 @@ If the recorder is killed, the file holds everything up to the last flush; `repl
 finishes it. Messages that came too fast are counted, reported and written to the file.
 
 Diagnostics go to stderr, the summary to stdout.
-Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost.")]
+Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost."
+)]
 struct Arguments {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
@@ -38,11 +41,15 @@ struct Arguments {
     duration: Option<Duration>,
     /// How much may be lost if the recorder is killed
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration,
-          default_value_t = humantime::Duration::from(FLUSH_INTERVAL).into())]
-    flush: humantime::Duration,
+          default_value = default_flush())]
+    flush: Duration,
     /// How long to wait for a planner to come up
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "10s")]
     wait: Duration,
+}
+
+fn default_flush() -> String {
+    humantime::format_duration(FLUSH_INTERVAL).to_string()
 }
 
 /// How long the recorder sleeps when nothing is there: the tap's buffer holds far more
@@ -84,8 +91,7 @@ enum Failure {
 
 fn run(arguments: &Arguments) -> Result<Summary, Failure> {
     let mut tap = connect(arguments)?;
-    let mut writer =
-        Writer::create(&arguments.output, Options { overwrite: arguments.overwrite })?;
+    let mut writer = Writer::create(&arguments.output, Options { overwrite: arguments.overwrite })?;
     tracing::info!(output = %arguments.output.display(), "recording");
     let begin = Instant::now();
     let mut flushed = Instant::now();
@@ -96,11 +102,11 @@ fn run(arguments: &Arguments) -> Result<Summary, Failure> {
         while let Some(event) = tap.receive() {
             idle = false;
             record(&mut writer, event)?;
-            if flushed.elapsed() >= *arguments.flush {
+            if flushed.elapsed() >= arguments.flush {
                 break;
             }
         }
-        if flushed.elapsed() >= *arguments.flush {
+        if flushed.elapsed() >= arguments.flush {
             writer.flush()?;
             flushed = Instant::now();
         }
