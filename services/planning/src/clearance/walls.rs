@@ -124,7 +124,7 @@ impl<const D: usize> Walls<D> {
     }
 
     /// Calls `visit` with (at least) every wall that comes as near to the box
-    /// from `min` to `max` as `visit` last returned; some may come twice.
+    /// from `min` to `max` as `visit` last returned, each once.
     pub fn nearest(
         &self,
         min: &Vector<D>,
