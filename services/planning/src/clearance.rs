@@ -2,6 +2,7 @@
 
 use crate::geometry::Vector;
 
+pub mod rectangle;
 pub mod walls;
 
 /// How close the body comes to the walls over a motion, and where.
