@@ -11,5 +11,6 @@
 //! scenes in three dimensions in (x, y, z); coordinates are held in that order.
 
 pub mod clearance;
+pub mod driving;
 pub mod geometry;
 pub mod motion;
