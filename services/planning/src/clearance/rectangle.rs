@@ -222,4 +222,4 @@ fn search(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -55,11 +55,11 @@ fn wind(
     knots.clear();
     for (index, corner) in drive.corners.iter().enumerate() {
         let circle = guiding_circle(drive, corner, gaps.at(index));
-        let arrival = join(drive, knots, Some(index), &circle, kept)?;
+        let arrival = join(drive, gaps, knots, Some(index), &circle, kept)?;
         knots.push(Knot { corner: index, circle, arrival });
     }
     let goal = Circle { center: drive.goal.position, signed_radius: 0.0 };
-    let last = join(drive, knots, None, &goal, kept)?;
+    let last = join(drive, gaps, knots, None, &goal, kept)?;
     for (index, knot) in knots.iter().enumerate().filter(|(_, knot)| is_kept(kept, knot)) {
         let departure = knots.get(index + 1).map_or(&last, |next| &next.arrival);
         let corner = &drive.corners[knot.corner];
@@ -77,6 +77,7 @@ fn wind(
 /// backwards.
 fn join(
     drive: &Drive<'_>,
+    gaps: &Gaps<'_>,
     knots: &mut Vec<Knot>,
     corner: Option<usize>,
     circle: &Circle,
@@ -87,7 +88,9 @@ fn join(
             let start = Circle { center: drive.start.position, signed_radius: 0.0 };
             return match (tangent(&start, circle), corner) {
                 (Some(line), _) => Ok(line),
-                (None, Some(corner)) => Err(too_close_to_point(drive, &start, corner, circle)),
+                (None, Some(corner)) => {
+                    Err(too_close_to_point(drive, gaps, &start, corner, circle))
+                }
                 // The goal is where the robot starts.
                 (None, None) => Ok(Tangent {
                     from: start.center,
@@ -100,7 +103,7 @@ fn join(
         let Some(line) = tangent(&top.circle, circle) else {
             return Err(match corner {
                 Some(corner) => corners_too_close(drive, top, corner, circle),
-                None => too_close_to_point(drive, circle, top.corner, &top.circle),
+                None => too_close_to_point(drive, gaps, circle, top.corner, &top.circle),
             });
         };
         if is_kept(kept, top) || turns_forwards(&drive.corners[top.corner], &top.arrival, &line) {
@@ -184,6 +187,7 @@ fn cut(line: &Tangent, circle: &Circle) -> f64 {
 /// Start or goal lies inside a guiding circle.
 fn too_close_to_point(
     drive: &Drive<'_>,
+    gaps: &Gaps<'_>,
     point: &Circle,
     corner: usize,
     circle: &Circle,
@@ -192,7 +196,7 @@ fn too_close_to_point(
     let half_width = drive.footprint.width() / 2.0;
     DrivingError::GapOutOfRange {
         corner,
-        gap: circle.signed_radius.abs() - half_width,
+        gap: gaps.at(corner),
         least: 0.0,
         most: (apart.dot(&apart).sqrt() - half_width).max(0.0),
     }

@@ -42,7 +42,8 @@ fn check_block(block: &str) {
     let lengths: Vec<_> = path.legs().iter().map(|leg| leg.curve.length()).collect();
     close(*lengths.last().unwrap(), number(head, "last line"));
     let (overall, turning) = (path.clearance().unwrap(), path.turning().unwrap());
-    let within = |value: f64, wanted: f64| assert!((value - wanted).abs() <= 1e-9, "{value} {wanted}");
+    let within =
+        |value: f64, wanted: f64| assert!((value - wanted).abs() <= 1e-9, "{value} {wanted}");
     within(overall.value, number(head, "overall"));
     within(turning.value, number(head, "turning"));
 
