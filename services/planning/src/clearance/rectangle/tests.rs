@@ -52,7 +52,8 @@ fn point_to_segment(p: Point, a: Point, b: Point) -> f64 {
     let square = dx * dx + dy * dy;
     let t = if square == 0.0 { 0.0 } else { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / square };
     let t = t.clamp(0.0, 1.0);
-    libm::hypot(p.0 - a.0 - t * dx, p.1 - a.1 - t * dy)
+    let (x, y) = (p.0 - a.0 - t * dx, p.1 - a.1 - t * dy);
+    (x * x + y * y).sqrt()
 }
 
 fn area(a: Point, b: Point, c: Point) -> f64 {
@@ -81,10 +82,11 @@ pub(crate) fn outline_distance(
     let corner =
         |ahead: f64, left: f64| (x + ahead * cos - left * sin, y + ahead * sin + left * cos);
     let outline = [corner(a, b), corner(-a, b), corner(-a, -b), corner(a, -b)];
+    let reach = libm::hypot(a, b);
     let mut least = f64::INFINITY;
     for wall in walls.as_slice() {
         let (from, to) = ((wall.from.x, wall.from.y), (wall.to.x, wall.to.y));
-        if point_to_segment((x, y), from, to) - libm::hypot(a, b) > least {
+        if point_to_segment((x, y), from, to) - reach > least {
             continue;
         }
         let mut inside = true;
@@ -126,7 +128,7 @@ pub(crate) fn check_densely(
     let step = 1.0 / samples as f64;
     assert!(value >= least - displacement * step / 2.0 - 1e-9, "{value} is below {least}");
     let (mut low, mut high) = ((at - step).max(0.0), (at + step).min(1.0));
-    for _ in 0..60 {
+    for _ in 0..45 {
         let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
         if distance(left) <= distance(right) {
             high = right;

@@ -30,7 +30,7 @@ fn check_path(scene: &Scene, path: &Path) {
     let mut least = f64::INFINITY;
     for (leg, &value) in path.legs().iter().zip(path.leg_clearances()) {
         check_in_free_space(scene, &leg.curve);
-        check_densely(&scene.footprint, &leg.curve, &scene.walls, 60, value);
+        check_densely(&scene.footprint, &leg.curve, &scene.walls, 40, value);
         least = least.min(value);
     }
     let whole = path.clearance().unwrap();
@@ -40,7 +40,7 @@ fn check_path(scene: &Scene, path: &Path) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig::with_cases(30))]
 
     #[test]
     fn gaps_up_to_the_balanced_one_are_kept(
