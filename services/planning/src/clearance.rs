@@ -2,7 +2,9 @@
 
 use crate::geometry::Vector;
 
+pub mod distance;
 pub mod rectangle;
+pub mod translating;
 pub mod walls;
 
 /// How close the body comes to the walls over a motion, and where.

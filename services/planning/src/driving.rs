@@ -12,8 +12,9 @@ use std::f64::consts::{PI, TAU};
 use crate::clearance::Clearance;
 use crate::clearance::rectangle::{self, Footprint, Met};
 use crate::clearance::walls::Walls;
-use crate::geometry::{AxisBox, Direction, Vector, normalized_angle};
-use crate::motion::{Curve, Leg};
+use crate::free_space::Chain;
+use crate::geometry::{AxisBox, Direction, Vector};
+use crate::motion::{Curve, Leg, wrapped};
 
 mod error;
 mod legs;
@@ -93,16 +94,22 @@ pub struct Corner {
 }
 
 impl Corner {
-    /// The corner of `junction`, entered along `approach` and left along `leave`;
-    /// `None` unless these are along different axes. A corridor's width is the
-    /// junction's extent across it.
-    pub fn new(junction: &AxisBox<2>, approach: Direction, leave: Direction) -> Option<Self> {
+    /// The corner of a junction of two channels, entered along `approach` and left
+    /// along `leave`; `None` unless the channels overlap and these are along
+    /// different axes.
+    pub fn new(
+        incoming: &AxisBox<2>,
+        outgoing: &AxisBox<2>,
+        approach: Direction,
+        leave: Direction,
+    ) -> Option<Self> {
         let rule = TurnRule::of(approach, leave)?;
+        let point = rule.corner_of(&incoming.intersection(outgoing)?);
         Some(Self {
-            point: rule.corner_of(junction),
+            point,
             rule,
-            width_in: junction.size()[leave.axis],
-            width_out: junction.size()[approach.axis],
+            width_in: leave.coordinate(&point) - range(incoming, leave).0,
+            width_out: range(outgoing, approach).1 - approach.coordinate(&point),
         })
     }
 
@@ -110,6 +117,22 @@ impl Corner {
     pub fn width(&self) -> f64 {
         self.width_in.min(self.width_out)
     }
+}
+
+/// Least and greatest coordinate of a box along a direction, metres.
+fn range(channel: &AxisBox<2>, along: Direction) -> (f64, f64) {
+    let (a, b) = (along.coordinate(&channel.min()), along.coordinate(&channel.max()));
+    (a.min(b), a.max(b))
+}
+
+/// Refills `corners` with those of a chain, in travel order.
+pub fn corners_of(chain: &Chain<2>, corners: &mut Vec<Corner>) {
+    corners.clear();
+    let pairs = chain.channels().windows(2).zip(chain.corners());
+    corners.extend(pairs.map(|(pair, corner)| {
+        Corner::new(&pair[0], &pair[1], corner.approach, corner.leaving)
+            .expect("consecutive channels of a chain overlap and have different axes")
+    }));
 }
 
 /// What is asked: a robot, where it starts and ends, and what is between.
@@ -184,6 +207,7 @@ const CONTACT: f64 = 1e-12;
 /// robot would touch a wall.
 pub fn drive(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), DrivingError> {
     route(drive, gaps, path)?;
+    refusal::check_start(drive)?;
     let footprint = &drive.footprint;
     let is_arc = |leg: &Leg<2>| matches!(leg.curve, Curve::Arc { .. });
     let first_arc = path.legs.iter().position(is_arc);
@@ -208,18 +232,12 @@ pub fn drive(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), D
         travelled += length;
         guess = rectangle::next_guess(&met, guess);
     }
-    if path.legs.is_empty() {
+    path.clearance = if path.legs.is_empty() {
         let (position, heading) = (&drive.start.position, drive.start.heading);
-        let clearance = rectangle::over_placement(footprint, position, heading, drive.walls);
-        if let Some(Clearance { value, wall, .. }) = clearance
-            && value <= CONTACT
-        {
-            return Err(DrivingError::BodyTouchesWall { position: *position, wall });
-        }
-        path.clearance = clearance;
+        rectangle::over_placement(footprint, position, heading, drive.walls)
     } else {
-        path.clearance = whole.clearance();
-    }
+        whole.clearance()
+    };
     path.turning = if first_arc.is_some() { turning.clearance() } else { path.clearance };
     Ok(())
 }
@@ -242,7 +260,7 @@ pub fn route(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), D
 /// The signed angle from one heading to another the shorter way round; half a
 /// turn goes left.
 fn shortest_turn(from: f64, to: f64) -> f64 {
-    let turn = normalized_angle(to - from);
+    let turn = wrapped(to - from);
     if turn <= -PI + SAME_HEADING { turn + TAU } else { turn }
 }
 

@@ -140,15 +140,8 @@ impl Direction {
     }
 }
 
-/// The same angle in (-pi, pi], radians.
-pub fn normalized_angle(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    if angle > -PI && angle <= PI {
-        return angle;
-    }
-    let reduced = libm::remainder(angle, TAU);
-    if reduced <= -PI { PI } else { reduced }
-}
+pub mod box_tree;
+pub mod polygon;
 
 /// The unit vector at `angle` radians counter-clockwise from +x.
 pub(crate) fn unit(angle: f64) -> Vector<2> {

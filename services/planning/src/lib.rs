@@ -11,6 +11,9 @@
 //! scenes in three dimensions in (x, y, z); coordinates are held in that order.
 
 pub mod clearance;
+pub mod disassembly;
 pub mod driving;
+pub mod free_space;
 pub mod geometry;
 pub mod motion;
+pub mod trajectory;

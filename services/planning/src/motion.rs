@@ -1,5 +1,7 @@
 //! What a body does: legs, in order, each a line, an arc or a turn in place.
 
+use std::f64::consts::{PI, TAU};
+
 use crate::geometry::Vector;
 
 /// A rule of the paper, by table and number (numbering: `docs/errata.md`).
@@ -73,4 +75,23 @@ pub struct Leg<const D: usize> {
     pub junction: Option<usize>,
     /// The rule that chose where the leg ends; `None` where no rule did.
     pub rule: Option<Rule>,
+}
+
+/// `angle`, radians, reduced to (-pi, pi] and without a negative zero.
+#[inline]
+pub fn wrapped(angle: f64) -> f64 {
+    let mut angle = angle + 0.0;
+    if angle > PI {
+        angle -= TAU;
+    } else if angle <= -PI {
+        angle += TAU;
+    }
+    if angle.abs() > PI { reduced(angle) } else { angle }
+}
+
+/// The reduction of an angle more than one turn away.
+#[cold]
+fn reduced(angle: f64) -> f64 {
+    let angle = angle - TAU * libm::round(angle / TAU);
+    if angle <= -PI { PI } else { angle.min(PI) }
 }

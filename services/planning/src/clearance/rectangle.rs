@@ -196,27 +196,22 @@ pub(crate) fn nearest(
     }
 }
 
-/// Meets all walls that are near enough to matter. Walls farther than the reach
-/// are left out, so an answer within the reach is the answer; otherwise the
-/// reach grows.
+/// Meets all walls that are near enough to matter. Walls farther than the guess
+/// are left out at first, so an answer within the guess is the answer.
 fn search(
     walls: &Walls<2>,
     (min, max): (Vector<2>, Vector<2>),
     guess: f64,
     meet: impl Fn(&Wall<2>, &mut Met),
 ) -> Met {
-    let mut reach = guess;
-    for _ in 0..3 {
-        let mut met = Met::NOTHING;
-        walls.near(&min, &max, reach, |_, wall| meet(wall, &mut met));
-        if met.value <= reach {
-            return met;
-        }
-        reach *= 4.0;
-    }
     let mut met = Met::NOTHING;
-    for wall in walls.as_slice() {
-        meet(wall, &mut met);
+    walls.near(&min, &max, guess, |_, wall| meet(wall, &mut met));
+    if met.value > guess {
+        met = Met::NOTHING;
+        walls.nearest(&min, &max, |_, wall| {
+            meet(wall, &mut met);
+            met.value + TIE
+        });
     }
     met
 }

@@ -5,15 +5,15 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::tangent::Tangent;
 use super::taut::Knot;
 use super::{Drive, SAME_HEADING, StartTurn, shortest_turn};
-use crate::geometry::{Vector, normalized_angle};
-use crate::motion::{Curve, Leg};
+use crate::geometry::Vector;
+use crate::motion::{Curve, Leg, wrapped};
 
 /// Lines up to this length are left out, metres: the arcs beside them touch.
 const NO_LINE: f64 = 1e-12;
 
 /// Writes the legs of the path that turns about `knots` and ends with `last`.
 pub(super) fn write(drive: &Drive<'_>, knots: &[Knot], last: &Tangent, legs: &mut Vec<Leg<2>>) {
-    let mut heading = normalized_angle(drive.start.heading);
+    let mut heading = wrapped(drive.start.heading);
     let mut turns_about: Option<&Knot> = None;
     let lines = knots.iter().map(|knot| (&knot.arrival, Some(knot))).chain([(last, None)]);
     for (line, knot) in lines {
@@ -43,7 +43,7 @@ pub(super) fn write(drive: &Drive<'_>, knots: &[Knot], last: &Tangent, legs: &mu
         turns_about = knot;
     }
     if let Some(goal) = drive.goal.heading {
-        let turn = shortest_turn(heading, normalized_angle(goal));
+        let turn = shortest_turn(heading, wrapped(goal));
         if turn.abs() > SAME_HEADING {
             legs.push(turn_in_place(&drive.goal.position, heading, turn));
         }
@@ -61,7 +61,7 @@ fn arc(drive: &Drive<'_>, knot: &Knot, from: f64, to: f64) -> Leg<2> {
             center: knot.circle.center,
             radius: knot.circle.signed_radius.abs(),
             // The centre is a quarter turn to the side of the turn.
-            start_angle: normalized_angle(from - sense * FRAC_PI_2),
+            start_angle: wrapped(from - sense * FRAC_PI_2),
             sweep: sense * sweep,
         },
         junction: Some(knot.corner),

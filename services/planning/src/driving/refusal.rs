@@ -3,8 +3,8 @@
 use super::limits::{greatest_gap, least_width};
 use super::{CONTACT, Drive, DrivingError, Gaps};
 use crate::clearance::rectangle::{Met, over_placement};
-use crate::geometry::{AxisBox, Vector, normalized_angle};
-use crate::motion::{Curve, Leg};
+use crate::geometry::{AxisBox, Vector};
+use crate::motion::{Curve, Leg, wrapped};
 
 /// Start and goal must lie in their channels.
 pub(super) fn check_ends(drive: &Drive<'_>) -> Result<(), DrivingError> {
@@ -20,6 +20,24 @@ pub(super) fn check_ends(drive: &Drive<'_>) -> Result<(), DrivingError> {
         return Err(DrivingError::GoalOutside { position, channel });
     }
     Ok(())
+}
+
+/// The robot must not touch a wall, nor be inside a solid, before it moves.
+pub(super) fn check_start(drive: &Drive<'_>) -> Result<(), DrivingError> {
+    let position = drive.start.position;
+    let inside =
+        drive.walls.solid_around(&position).map(|index| drive.walls.as_slice()[index].from);
+    match inside.or_else(|| touched(drive, &position, drive.start.heading)) {
+        Some(wall) => Err(DrivingError::BodyTouchesWall { position, wall }),
+        None => Ok(()),
+    }
+}
+
+/// The wall point that the robot touches at a pose.
+fn touched(drive: &Drive<'_>, position: &Vector<2>, heading: f64) -> Option<Vector<2>> {
+    over_placement(&drive.footprint, position, heading, drive.walls)
+        .filter(|clearance| clearance.value <= CONTACT)
+        .map(|clearance| clearance.wall)
 }
 
 /// There must be a positive gap for every corner.
@@ -52,15 +70,15 @@ pub(super) fn contact(
     index: usize,
     met: &Met,
 ) -> DrivingError {
-    if let Some(error) = contact_at_end(drive, legs) {
+    if let Some(error) = contact_at_goal(drive, legs) {
         return error;
     }
     let leg = &legs[index];
     if let Curve::Turn { position, from_heading, sweep } = leg.curve {
         return DrivingError::TurnBlocked {
             position,
-            heading: normalized_angle(from_heading + sweep),
-            free: normalized_angle(from_heading + met.along * sweep),
+            heading: wrapped(from_heading + sweep),
+            free: wrapped(from_heading + met.along * sweep),
             wall: met.wall,
         };
     }
@@ -83,25 +101,16 @@ pub(super) fn contact(
     DrivingError::WallInTheWay { leg: index, at: met.along * leg.curve.length(), wall: met.wall }
 }
 
-/// Whether it is the first or the last placement already that touches.
-fn contact_at_end(drive: &Drive<'_>, legs: &[Leg<2>]) -> Option<DrivingError> {
-    let touched = |position: &Vector<2>, heading: f64| {
-        over_placement(&drive.footprint, position, heading, drive.walls)
-            .filter(|clearance| clearance.value <= CONTACT)
-            .map(|clearance| clearance.wall)
-    };
-    let position = drive.start.position;
-    if let Some(wall) = touched(&position, drive.start.heading) {
-        return Some(DrivingError::BodyTouchesWall { position, wall });
-    }
+/// Whether it is the last placement already that touches.
+fn contact_at_goal(drive: &Drive<'_>, legs: &[Leg<2>]) -> Option<DrivingError> {
     let arrives = || match legs.last()?.curve {
         Curve::Line { heading, .. } => Some(heading),
         Curve::Turn { from_heading, sweep, .. } => Some(from_heading + sweep),
         Curve::Arc { .. } => None,
     };
     let position = drive.goal.position;
-    let heading = normalized_angle(drive.goal.heading.or_else(arrives)?);
-    touched(&position, heading).map(|wall| DrivingError::GoalTouchesWall {
+    let heading = wrapped(drive.goal.heading.or_else(arrives)?);
+    touched(drive, &position, heading).map(|wall| DrivingError::GoalTouchesWall {
         position,
         heading,
         wall,

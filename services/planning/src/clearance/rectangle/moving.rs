@@ -3,6 +3,7 @@
 
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND};
+use crate::clearance::distance::{distance_segment_box, distance_segment_segment};
 use crate::clearance::walls::Wall;
 use crate::geometry::{Vector, rotated, unit, unrotated};
 
@@ -89,14 +90,15 @@ impl Moving {
         if first_touch_is_known || (a.distance + b.distance - speed * part) / 2.0 >= enough {
             return;
         }
-        let segment = Segment::between(wall.from, wall.to);
         let mut corners = f64::INFINITY;
-        for (from, to) in a.corners.iter().zip(&b.corners) {
-            corners = corners.min(Segment::between(*from, *to).distance_to_segment(&segment));
+        for chord in a.corners.iter().zip(&b.corners) {
+            let closest = distance_segment_segment(chord, (&wall.from, &wall.to));
+            corners = corners.min(closest.distance);
         }
+        let (low, high) = (-self.body.half, self.body.half);
         let mut ends = f64::INFINITY;
-        for (from, to) in a.ends.iter().zip(&b.ends) {
-            ends = ends.min(Segment::between(*from, *to).distance_to_rectangle(&self.body));
+        for chord in a.ends.iter().zip(&b.ends) {
+            ends = ends.min(distance_segment_box(chord, (&low, &high)).distance);
         }
         let eighth = part * part / 8.0;
         if (corners - bend.corner * eighth).min(ends - bend.end * eighth) >= enough {

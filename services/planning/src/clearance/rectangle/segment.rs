@@ -1,5 +1,6 @@
 //! Distances between a rectangle, a segment and points, in the rectangle's frame.
 
+use crate::clearance::distance::cross;
 use crate::clearance::walls::Wall;
 use crate::geometry::{Vector, unrotated};
 
@@ -67,13 +68,6 @@ impl Segment {
         (point - self.from).dot(&self.span) * self.inverse_length * self.inverse_length
     }
 
-    /// Least distance from a point, and the parameter of the point that has it.
-    pub(super) fn distance(&self, point: &Vector<2>) -> (f64, f64) {
-        let t = self.foot(point).clamp(0.0, 1.0);
-        let apart = point - self.at(t);
-        (apart.dot(&apart).sqrt(), t)
-    }
-
     /// Offers the distances among which the least between this segment and the
     /// rectangle is, unless it exceeds `limit`: (distance, parameter).
     pub(super) fn meet(&self, body: &Rectangle, limit: f64, mut offer: impl FnMut(f64, f64)) {
@@ -99,35 +93,9 @@ impl Segment {
             let t = self.foot(&corner);
             if 0.0 < t && t < 1.0 {
                 let apart = corner - self.from;
-                let area = self.span.x * apart.y - self.span.y * apart.x;
-                offer(area.abs() * self.inverse_length, t);
+                offer(cross(&self.span, &apart).abs() * self.inverse_length, t);
             }
         }
-    }
-
-    /// Least distance between the segment and the rectangle.
-    pub(super) fn distance_to_rectangle(&self, body: &Rectangle) -> f64 {
-        let mut least = f64::INFINITY;
-        self.meet(body, f64::INFINITY, |distance, _| least = least.min(distance));
-        least
-    }
-
-    /// Least distance between two segments; 0 if they cross.
-    pub(super) fn distance_to_segment(&self, other: &Self) -> f64 {
-        let cross = |a: &Vector<2>, b: &Vector<2>| a.x * b.y - a.y * b.x;
-        let apart = other.from - self.from;
-        let area = cross(&self.span, &other.span);
-        if area != 0.0 {
-            let (t, s) = (cross(&apart, &other.span) / area, cross(&apart, &self.span) / area);
-            if (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&s) {
-                return 0.0;
-            }
-        }
-        self.distance(&other.from)
-            .0
-            .min(self.distance(&other.at(1.0)).0)
-            .min(other.distance(&self.from).0)
-            .min(other.distance(&self.at(1.0)).0)
     }
 }
 

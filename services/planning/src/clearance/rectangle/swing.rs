@@ -6,6 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::segment::{Rectangle, Segment};
 use super::slide::bounds;
 use super::{Footprint, Met, TIE};
+use crate::clearance::distance::cross;
 use crate::clearance::walls::Wall;
 use crate::geometry::{Sign, Vector, rotated, unit, unrotated};
 
@@ -102,8 +103,7 @@ impl Swing {
         let ends = [segment.from, segment.from + segment.span];
         let seen = Seen {
             foot: segment.foot(&Vector::<2>::zeros()),
-            line: (segment.from.x * segment.span.y - segment.from.y * segment.span.x).abs()
-                * segment.inverse_length,
+            line: cross(&segment.from, &segment.span).abs() * segment.inverse_length,
             lengths: ends.map(|end| end.dot(&end).sqrt()),
             ends,
             segment,

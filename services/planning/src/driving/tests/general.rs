@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use super::scene::{Scene, channel, corridors, mirrored, point, turned};
 use crate::driving::rules::{TABLE_2, TurnRule};
 use crate::driving::{DrivingError, Gaps, Path, Pose, StartTurn, drive, route};
-use crate::geometry::{Vector, normalized_angle, unit};
-use crate::motion::{Curve, Leg};
+use crate::geometry::{Vector, unit};
+use crate::motion::{Curve, Leg, wrapped};
 
 /// Reference point and heading at both ends of a leg.
 fn ends(leg: &Leg<2>) -> [(Vector<2>, f64); 2] {
@@ -33,7 +33,7 @@ fn turned_pose((position, heading): (Vector<2>, f64)) -> (Vector<2>, f64) {
 
 fn check_same(left: (Vector<2>, f64), right: (Vector<2>, f64), bound: f64) {
     assert!((left.0 - right.0).amax() <= bound, "{left:?} {right:?}");
-    assert!(normalized_angle(left.1 - right.1).abs() <= bound, "{left:?} {right:?}");
+    assert!(wrapped(left.1 - right.1).abs() <= bound, "{left:?} {right:?}");
 }
 
 /// Walks from corner to corner with (5.2)-(5.5) and the corrected table alone.

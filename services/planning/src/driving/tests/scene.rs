@@ -1,12 +1,13 @@
-//! Corridors made by hand: corners and walls of channels in travel order.
+//! Corridors: the worked ones, and random chains.
 
 use proptest::prelude::*;
 
 use crate::clearance::rectangle::Footprint;
-use crate::clearance::walls::{Wall, Walls};
+use crate::clearance::walls::Walls;
 use crate::driving::limits::{balanced_gap, least_width};
-use crate::driving::{Corner, Drive, Goal, Pose, StartTurn};
-use crate::geometry::{AxisBox, Direction, Sign, Vector};
+use crate::driving::{Corner, Drive, Goal, Pose, StartTurn, corners_of};
+use crate::free_space::{Chain, End};
+use crate::geometry::{AxisBox, Vector};
 
 pub(super) fn point(x: f64, y: f64) -> Vector<2> {
     Vector::<2>::new(x, y)
@@ -30,32 +31,12 @@ pub(super) struct Scene {
 impl Scene {
     pub(super) fn new(channels: &[AxisBox<2>], start: Pose, goal: [f64; 2]) -> Self {
         let goal = Goal { position: point(goal[0], goal[1]), heading: None };
-        let junctions: Vec<_> =
-            channels.windows(2).map(|pair| pair[0].intersection(&pair[1]).unwrap()).collect();
-        let mut places = vec![start.position];
-        places.extend(junctions.iter().map(AxisBox::center));
-        places.push(goal.position);
-        // A channel's axis is the one in which its junction is a proper part of it.
-        let axis = |channel: &AxisBox<2>, junction: &AxisBox<2>| {
-            usize::from(channel.size().x == junction.size().x)
-        };
-        let corners = junctions
-            .iter()
-            .enumerate()
-            .map(|(i, junction)| {
-                let along = |channel: &AxisBox<2>, way: Vector<2>| {
-                    let axis = axis(channel, junction);
-                    Direction { axis, sign: Sign::of(way[axis]) }
-                };
-                let approach = along(&channels[i], places[i + 1] - places[i]);
-                let leave = along(&channels[i + 1], places[i + 2] - places[i + 1]);
-                Corner::new(junction, approach, leave).unwrap()
-            })
-            .collect();
+        let mut chain = Chain::default();
+        chain.build(channels, &start.position, End::Goal(goal.position)).unwrap();
+        let mut corners = Vec::new();
+        corners_of(&chain, &mut corners);
         let mut walls = Walls::default();
-        for channel in channels {
-            push_walls(channel, channels, &mut walls);
-        }
+        walls.set_complement(channels, None);
         Self {
             footprint: Footprint::new(1.0, 1.5).unwrap(),
             start,
@@ -83,41 +64,6 @@ impl Scene {
             last: *self.channels.last().unwrap(),
             corners: &self.corners,
             walls: &self.walls,
-        }
-    }
-}
-
-/// What of a channel's outline is not in another channel.
-fn push_walls(channel: &AxisBox<2>, channels: &[AxisBox<2>], walls: &mut Walls<2>) {
-    for axis in 0..2 {
-        let along = 1 - axis;
-        for at in [channel.min()[axis], channel.max()[axis]] {
-            let outwards = if at == channel.max()[axis] { 1.0 } else { -1.0 };
-            let mut rest = vec![(channel.min()[along], channel.max()[along])];
-            for other in channels {
-                // Free just outside of the outline?
-                let beyond = if outwards > 0.0 {
-                    other.min()[axis] <= at && at < other.max()[axis]
-                } else {
-                    other.min()[axis] < at && at <= other.max()[axis]
-                };
-                if beyond {
-                    let (low, high) = (other.min()[along], other.max()[along]);
-                    rest = rest
-                        .into_iter()
-                        .flat_map(|(a, b)| [(a, b.min(low)), (a.max(high), b)])
-                        .filter(|(a, b)| a < b)
-                        .collect();
-                }
-            }
-            for (a, b) in rest {
-                let end = |value: f64| {
-                    let mut point = point(at, at);
-                    point[along] = value;
-                    point
-                };
-                walls.push(Wall { from: end(a), to: end(b) });
-            }
         }
     }
 }

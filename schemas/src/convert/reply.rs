@@ -1,0 +1,331 @@
+//! Replies, part by part.
+
+use super::cells::{CellReader, CellWriter, Malformed};
+use super::codes::{self, DIRECTIONS, ERRORS};
+use crate::message::{
+    AxisBox, Clearance, Curve, Direction, Leg, Refusal, ReplyPart, RequestKey, Rule, Trajectory,
+    Vector,
+};
+use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS};
+
+/// Takes the parts of a reply: shared memory, or a list in this process.
+pub trait PartSink {
+    /// Why a part could not be passed on.
+    type Error;
+
+    /// Passes on one part: `fill` writes its payload of `cells` cells.
+    fn part(
+        &mut self,
+        header: &ReplyHeader,
+        cells: usize,
+        fill: impl FnOnce(&mut CellWriter),
+    ) -> Result<(), Self::Error>;
+}
+
+/// Writes a trajectory as parts, straight into the sink's memory.
+///
+/// The lists are iterators, so that samples are computed where they will be read.
+#[derive(Debug)]
+pub struct TrajectoryWriter<Gaps, Route, Channels, Legs, Samples> {
+    /// The gaps used, junction by junction; metres.
+    pub gaps: Gaps,
+    /// Indices of the channels travelled.
+    pub route: Route,
+    /// The channels, where the planner made them; each with the scene's dimension.
+    pub channels: Channels,
+    /// The pieces of the path.
+    pub legs: Legs,
+    /// The states of the motion.
+    pub samples: Samples,
+}
+
+impl<Gaps, Route, Channels, Legs, Samples> TrajectoryWriter<Gaps, Route, Channels, Legs, Samples>
+where
+    Gaps: ExactSizeIterator<Item = f64>,
+    Route: ExactSizeIterator<Item = u64>,
+    Channels: ExactSizeIterator<Item = AxisBox>,
+    Legs: ExactSizeIterator<Item = wire::Leg>,
+    Samples: ExactSizeIterator<Item = wire::Sample>,
+{
+    /// Writes all parts. `header` comes with the fields that all parts share;
+    /// `header.part` counts on; `final_answer` says whether the reply ends here.
+    pub fn write<S: PartSink>(
+        mut self,
+        header: &mut ReplyHeader,
+        final_answer: bool,
+        sink: &mut S,
+    ) -> Result<(), S::Error> {
+        let channel_cells = 2 * header.dimension as usize;
+        header.kind = 0;
+        header.refusal = 0;
+        let mut samples = Some(self.samples);
+        loop {
+            let mut room = PART_CELLS;
+            // A list is begun only when the lists before it are complete.
+            let mut take = |left: usize, size: usize| {
+                let taken = left.min(room / size);
+                room = if taken < left { 0 } else { room - taken * size };
+                taken as u32
+            };
+            header.gaps = take(self.gaps.len(), 1);
+            header.route = take(self.route.len(), 1);
+            header.channels = take(self.channels.len(), channel_cells);
+            header.legs = take(self.legs.len(), LEG_CELLS);
+            let samples_left = samples.as_ref().map_or(0, Samples::len);
+            header.samples = take(samples_left, SAMPLE_CELLS);
+            let complete = header.samples as usize == samples_left
+                && header.legs as usize == self.legs.len()
+                && header.channels as usize == self.channels.len()
+                && header.route as usize == self.route.len()
+                && header.gaps as usize == self.gaps.len();
+            header.last = u32::from(complete && final_answer);
+            let cells = header.gaps as usize
+                + header.route as usize
+                + header.channels as usize * channel_cells
+                + header.legs as usize * LEG_CELLS
+                + header.samples as usize * SAMPLE_CELLS;
+            let head = *header;
+            sink.part(&head, cells, |writer| {
+                self.gaps.by_ref().take(head.gaps as usize).for_each(|gap| writer.push_f64(gap));
+                self.route.by_ref().take(head.route as usize).for_each(|at| writer.push(at));
+                for channel in self.channels.by_ref().take(head.channels as usize) {
+                    for corner in [&channel.min, &channel.max] {
+                        corner.as_slice().iter().for_each(|value| writer.push_f64(*value));
+                    }
+                }
+                self.legs.by_ref().take(head.legs as usize).for_each(|leg| writer.push_pod(&leg));
+                // All that is left is iterated from inside, which is several times faster.
+                if complete {
+                    samples.take().into_iter().for_each(|all| {
+                        all.for_each(|sample| writer.push_pod(&sample));
+                    });
+                } else if let Some(samples) = &mut samples {
+                    let some = samples.by_ref().take(head.samples as usize);
+                    some.for_each(|sample| writer.push_pod(&sample));
+                }
+            })?;
+            header.part += 1;
+            if complete {
+                return Ok(());
+            }
+        }
+    }
+}
+
+/// Bits of a refusal's `present` cell.
+mod present {
+    pub(super) const JUNCTION: u64 = 1;
+    pub(super) const AXIS: u64 = 1 << 1;
+    /// `needs`; the bits of `has`, `least`, `most` and `heading` follow.
+    pub(super) const NUMBERS: u64 = 1 << 2;
+    pub(super) const FIELD: u64 = 1 << 7;
+}
+
+/// Longest message or field of a refusal that is passed on, bytes. A field can hold what a
+/// person wrote, of any length.
+const MOST_TEXT: usize = 2048;
+
+/// Writes a refusal as one part; `header` as in [`TrajectoryWriter::write`].
+pub fn write_refusal<S: PartSink>(
+    refusal: &Refusal,
+    header: &mut ReplyHeader,
+    final_answer: bool,
+    sink: &mut S,
+) -> Result<(), S::Error> {
+    let message = cut(&refusal.message);
+    let field = refusal.field.as_deref().map(cut);
+    let text_cells = message.len().div_ceil(8) + field.map_or(0, |field| field.len().div_ceil(8));
+    let cells = 11 + text_cells;
+    (header.gaps, header.route, header.channels, header.legs, header.samples) = (0, 0, 0, 0, 0);
+    header.kind = 1;
+    header.refusal = cells as u32;
+    header.last = u32::from(final_answer);
+    sink.part(header, cells, |writer| {
+        let numbers = [refusal.needs, refusal.has, refusal.least, refusal.most, refusal.heading];
+        let mut bits = 0;
+        bits |= refusal.junction.map_or(0, |_| present::JUNCTION);
+        bits |= refusal.axis.map_or(0, |_| present::AXIS);
+        bits |= field.map_or(0, |_| present::FIELD);
+        for (index, number) in numbers.iter().enumerate() {
+            bits |= number.map_or(0, |_| present::NUMBERS << index);
+        }
+        writer.push(codes::code(&ERRORS, refusal.code).into());
+        writer.push(bits);
+        writer.push(refusal.junction.unwrap_or(0));
+        writer.push(refusal.axis.unwrap_or(0).into());
+        numbers.iter().for_each(|number| writer.push_f64(number.unwrap_or(0.0)));
+        writer.push(message.len() as u64);
+        writer.push(field.map_or(0, str::len) as u64);
+        push_text(writer, message);
+        push_text(writer, field.unwrap_or(""));
+    })?;
+    header.part += 1;
+    Ok(())
+}
+
+fn cut(text: &str) -> &str {
+    &text[..text.floor_char_boundary(MOST_TEXT)]
+}
+
+fn push_text(writer: &mut CellWriter, text: &str) {
+    for chunk in text.as_bytes().chunks(8) {
+        let mut bytes = [0; 8];
+        bytes[..chunk.len()].copy_from_slice(chunk);
+        writer.push(u64::from_ne_bytes(bytes));
+    }
+}
+
+/// Reads one part of a reply from memory.
+pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malformed> {
+    if header.version != wire::VERSION {
+        let (code, greatest) = (header.version.into(), wire::VERSION.into());
+        return Err(Malformed::UnknownCode { what: "version", code, greatest });
+    }
+    let mut cells = CellReader::new(cells);
+    let content = match header.kind {
+        0 => Ok(read_trajectory(header, &mut cells)?),
+        1 => Err(read_refusal(header, &mut cells)?),
+        code => {
+            let code = code.into();
+            return Err(Malformed::UnknownCode { what: "kind", code, greatest: 1 });
+        }
+    };
+    cells.end()?;
+    Ok(ReplyPart {
+        key: RequestKey { client: header.client, sequence: header.sequence },
+        id: (header.has_id != 0).then_some(header.id),
+        sent_ns: header.sent_ns,
+        part: header.part,
+        last: header.last != 0,
+        answer: header.answer,
+        answers: header.answers,
+        content,
+    })
+}
+
+fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Trajectory, Malformed> {
+    let dimension = header.dimension as usize;
+    if !(2..=3).contains(&dimension) {
+        let code = dimension as u64;
+        return Err(Malformed::UnknownCode { what: "dimension", code, greatest: 3 });
+    }
+    let point = |values: &[f64]| Vector::new(&values[..dimension]).expect("two or three numbers");
+    let gaps = cells.take("gaps", header.gaps.into(), 1)?;
+    let route = cells.take("route", header.route.into(), 1)?;
+    let channels = cells.take("channels", header.channels.into(), 2 * dimension)?;
+    let legs = cells.take("legs", header.legs.into(), LEG_CELLS)?;
+    let samples = cells.take("samples", header.samples.into(), SAMPLE_CELLS)?;
+    let channels = channels.chunks_exact(2 * dimension).map(|cells| {
+        let (min, max) = bytemuck::cast_slice(cells).split_at(dimension);
+        AxisBox { min: point(min), max: point(max) }
+    });
+    Ok(Trajectory {
+        dimension: header.dimension,
+        gaps_per_junction: header.gaps_per_junction,
+        exit: read_exit(header.exit)?,
+        length: header.length,
+        duration: header.duration,
+        clearance: Clearance {
+            value: header.clearance,
+            at: header.clearance_at,
+            wall: point(&header.wall),
+        },
+        gaps: bytemuck::cast_slice(gaps).to_vec(),
+        route: route.to_vec(),
+        channels: channels.collect(),
+        legs: legs
+            .chunks_exact(LEG_CELLS)
+            .map(|cells| {
+                read_leg(&bytemuck::pod_read_unaligned(bytemuck::cast_slice(cells)), point)
+            })
+            .collect::<Result<_, _>>()?,
+        samples: bytemuck::cast_slice(samples).to_vec(),
+    })
+}
+
+fn read_exit(exit: u32) -> Result<Option<Direction>, Malformed> {
+    match exit {
+        0 => Ok(None),
+        code => codes::value("exit", &DIRECTIONS, u64::from(code) - 1).map(Some),
+    }
+}
+
+impl wire::ReplyHeader {
+    /// The code of a way out for [`ReplyHeader::exit`].
+    pub fn exit_code(exit: Option<Direction>) -> u32 {
+        exit.map_or(0, |exit| 1 + codes::code(&DIRECTIONS, exit))
+    }
+}
+
+fn read_leg(leg: &wire::Leg, point: impl Fn(&[f64]) -> Vector) -> Result<Leg, Malformed> {
+    let curve = match leg.kind {
+        0 => Curve::Line {
+            from: point(&leg.point),
+            to: point(&leg.to),
+            heading: leg.heading,
+            turned: leg.sweep,
+        },
+        1 => Curve::Arc {
+            center: point(&leg.point),
+            radius: leg.radius,
+            start_angle: leg.start,
+            sweep: leg.sweep,
+        },
+        2 => Curve::Turn {
+            position: point(&leg.point),
+            from_heading: leg.start,
+            to_heading: leg.heading,
+            sweep: leg.sweep,
+        },
+        code => {
+            let code = code.into();
+            return Err(Malformed::UnknownCode { what: "leg", code, greatest: 2 });
+        }
+    };
+    Ok(Leg {
+        curve,
+        length: leg.length,
+        clearance: leg.clearance,
+        junction: (leg.junction != u64::MAX).then_some(leg.junction),
+        rule: (leg.table != 0).then_some(Rule { table: leg.table, number: leg.number }),
+    })
+}
+
+fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal, Malformed> {
+    cells.expect("refusal", header.refusal.into())?;
+    let code = codes::value("error code", &ERRORS, cells.next("refusal")?)?;
+    let bits = cells.next("refusal")?;
+    let junction = cells.next("refusal")?;
+    let axis = cells.next("refusal")?;
+    let numbers = cells.take("refusal", 5, 1)?;
+    let number = |index: usize| {
+        (bits & (present::NUMBERS << index) != 0).then(|| f64::from_bits(numbers[index]))
+    };
+    let (message_bytes, field_bytes) = (cells.next("refusal")?, cells.next("refusal")?);
+    let message = read_text("message", message_bytes, cells)?;
+    let field = read_text("field", field_bytes, cells)?;
+    Ok(Refusal {
+        code,
+        message,
+        field: (bits & present::FIELD != 0).then_some(field),
+        junction: (bits & present::JUNCTION != 0).then_some(junction),
+        axis: match bits & present::AXIS != 0 {
+            true => Some(codes::value("axis", &[0, 1, 2], axis)?),
+            false => None,
+        },
+        needs: number(0),
+        has: number(1),
+        least: number(2),
+        most: number(3),
+        heading: number(4),
+    })
+}
+
+fn read_text(what: &'static str, bytes: u64, cells: &mut CellReader) -> Result<String, Malformed> {
+    let taken = cells.take(what, bytes.div_ceil(8), 1)?;
+    let text = &bytemuck::cast_slice(taken)[..bytes as usize];
+    match std::str::from_utf8(text) {
+        Ok(text) => Ok(text.to_owned()),
+        Err(error) => Err(Malformed::NotText { what, at: error.valid_up_to() as u64 }),
+    }
+}

@@ -1,0 +1,489 @@
+//! Scene requests.
+
+use super::cells::{CellReader, Malformed};
+use super::codes::{self, DIRECTIONS, START_TURNS, TASKS};
+use crate::message::{
+    AxisBox, Body, Choice, ClearanceWish, Footprint, FreeSpace, Gap, Goal, Limits, Pose, Refusal,
+    RequestKey, Sampling, SceneRequest, Solid, Vector,
+};
+use crate::wire::{RequestHeader, VERSION, given};
+
+/// How many coordinates the scene's points have, 2 or 3, if they all have the same.
+pub fn dimension(scene: &SceneRequest) -> Result<u32, Refusal> {
+    let mut points = Points { dimension: 0 };
+    match &scene.body {
+        Body::Polygon(vertices) => points.list("body.polygon", vertices)?,
+        Body::Box(sides) => points.axis_box("body.box", sides)?,
+        Body::Footprint(_) => points.dimension = 2,
+    }
+    let FreeSpace { channels, solids, bounds, .. } = &scene.free_space;
+    for (index, channel) in channels.iter().flatten().enumerate() {
+        points.axis_box(format_args!("free_space.channels[{index}]"), channel)?;
+    }
+    for (index, solid) in solids.iter().flatten().enumerate() {
+        match solid {
+            Solid::Polygon(vertices) => {
+                points.list(format_args!("free_space.solids[{index}].polygon"), vertices)?;
+            }
+            Solid::Box(sides) => {
+                points.axis_box(format_args!("free_space.solids[{index}].box"), sides)?;
+            }
+        }
+    }
+    if let Some(bounds) = bounds {
+        points.axis_box("free_space.bounds", bounds)?;
+    }
+    for (field, position) in [
+        ("start.position", scene.start.map(|start| start.position)),
+        ("goal.position", scene.goal.map(|goal| goal.position)),
+    ] {
+        if let Some(position) = position {
+            points.point(field, &position)?;
+            if position.dimension() != 2 {
+                return Err(wrong_dimension(field, 2, position.dimension()));
+            }
+        }
+    }
+    // A scene without a single point is refused for what it lacks.
+    Ok(points.dimension.max(2) as u32)
+}
+
+struct Points {
+    dimension: usize,
+}
+
+impl Points {
+    fn point(&mut self, field: impl std::fmt::Display, point: &Vector) -> Result<(), Refusal> {
+        if self.dimension == 0 {
+            self.dimension = point.dimension().max(2);
+        }
+        if point.dimension() == self.dimension {
+            Ok(())
+        } else {
+            Err(wrong_dimension(field, self.dimension, point.dimension()))
+        }
+    }
+
+    fn list(&mut self, field: impl std::fmt::Display, points: &[Vector]) -> Result<(), Refusal> {
+        for (index, point) in points.iter().enumerate() {
+            self.point(format_args!("{field}[{index}]"), point)?;
+        }
+        Ok(())
+    }
+
+    fn axis_box(&mut self, field: impl std::fmt::Display, sides: &AxisBox) -> Result<(), Refusal> {
+        self.point(format_args!("{field}.min"), &sides.min)?;
+        self.point(format_args!("{field}.max"), &sides.max)
+    }
+}
+
+fn wrong_dimension(field: impl std::fmt::Display, needs: usize, has: usize) -> Refusal {
+    Refusal::invalid(
+        field.to_string(),
+        format!("{field} has {has} coordinates, but this scene's points have {needs}"),
+    )
+}
+
+/// Writes a scene as memory: the header is returned, the payload appended to `cells`.
+pub fn write_scene(
+    scene: &SceneRequest,
+    key: RequestKey,
+    sent_ns: u64,
+    cells: &mut Vec<u64>,
+) -> Result<RequestHeader, Refusal> {
+    let dimension = dimension(scene)?;
+    let mut header = RequestHeader {
+        version: VERSION,
+        dimension,
+        client: key.client,
+        sequence: key.sequence,
+        sent_ns,
+        task: codes::code(&TASKS, scene.task),
+        exits: scene.exit.len() as u32,
+        ..RequestHeader::default()
+    };
+    write_options(scene, &mut header);
+    cells.extend(scene.exit.iter().map(|exit| u64::from(codes::code(&DIRECTIONS, *exit))));
+    write_wish(&scene.clearance, &mut header, cells);
+    write_body(&scene.body, &mut header, cells);
+    if let Some(channels) = &scene.free_space.channels {
+        header.given |= given::CHANNELS;
+        header.channels = channels.len() as u64;
+        channels.iter().for_each(|channel| push_box(cells, channel));
+    }
+    if let Some(solids) = &scene.free_space.solids {
+        header.given |= given::SOLIDS;
+        header.solids = solids.len() as u64;
+        for solid in solids {
+            match solid {
+                Solid::Polygon(vertices) => {
+                    cells.extend([0, vertices.len() as u64]);
+                    vertices.iter().for_each(|vertex| push_point(cells, vertex));
+                }
+                Solid::Box(sides) => {
+                    cells.push(1);
+                    push_box(cells, sides);
+                }
+            }
+        }
+    }
+    Ok(header)
+}
+
+fn write_options(scene: &SceneRequest, header: &mut RequestHeader) {
+    if let Some(id) = scene.id {
+        header.given |= given::ID;
+        header.id = id;
+    }
+    if scene.free_space.in_order {
+        header.given |= given::IN_ORDER;
+    }
+    if let Some(bounds) = &scene.free_space.bounds {
+        header.given |= given::BOUNDS;
+        let coordinates = bounds.min.as_slice().iter().chain(bounds.max.as_slice());
+        header.bounds.iter_mut().zip(coordinates).for_each(|(cell, value)| *cell = *value);
+    }
+    if let Some(Pose { position, heading }) = scene.start {
+        header.given |= given::START;
+        header.start = [position.padded()[0], position.padded()[1], heading];
+    }
+    if let Some(Goal { position, heading }) = scene.goal {
+        header.given |= given::GOAL;
+        header.goal = [position.padded()[0], position.padded()[1], 0.0];
+        if let Some(heading) = heading {
+            header.given |= given::GOAL_HEADING;
+            header.goal[2] = heading;
+        }
+    }
+    if let Some(start_turn) = scene.start_turn {
+        header.given |= given::START_TURN;
+        header.start_turn = codes::code(&START_TURNS, start_turn);
+    }
+    if let Some(sampling) = scene.sampling {
+        header.given |= given::SAMPLING;
+        (header.sampling_kind, header.sampling) = match sampling {
+            Sampling::Period(period) => (0, period.to_bits()),
+            Sampling::Spacing(spacing) => (1, spacing.to_bits()),
+            Sampling::Count(count) => (2, count),
+        };
+    }
+    if let Some(deadline) = scene.deadline {
+        header.given |= given::DEADLINE;
+        header.deadline = deadline;
+    }
+    let limits = &scene.limits;
+    let limits = [
+        limits.speed,
+        limits.acceleration,
+        limits.yaw_rate,
+        limits.yaw_acceleration,
+        limits.lateral_acceleration,
+    ];
+    for (index, limit) in limits.into_iter().enumerate() {
+        if let Some(limit) = limit {
+            header.given |= given::LIMITS << index;
+            header.limits[index] = limit;
+        }
+    }
+}
+
+fn write_wish(wish: &ClearanceWish, header: &mut RequestHeader, cells: &mut Vec<u64>) {
+    (header.wish_kind, header.choices) = match wish {
+        ClearanceWish::Each(choices) => (1, choices.len() as u64),
+        ClearanceWish::Curve(points) => {
+            header.curve = *points;
+            (2, 0)
+        }
+        _ => (0, 1),
+    };
+    match wish {
+        ClearanceWish::Gap(gap) => push_gap_choice(cells, gap),
+        ClearanceWish::Gaps(gaps) => push_gaps_choice(cells, gaps),
+        ClearanceWish::Safest => cells.push(2),
+        ClearanceWish::Each(choices) => {
+            for choice in choices {
+                match choice {
+                    Choice::Gap(gap) => push_gap_choice(cells, gap),
+                    Choice::Gaps(gaps) => push_gaps_choice(cells, gaps),
+                    Choice::Safest => cells.push(2),
+                }
+            }
+        }
+        ClearanceWish::Curve(_) => {}
+    }
+}
+
+fn push_gap_choice(cells: &mut Vec<u64>, gap: &Gap) {
+    cells.push(0);
+    push_gap(cells, gap);
+}
+
+fn push_gaps_choice(cells: &mut Vec<u64>, gaps: &[Gap]) {
+    cells.extend([1, gaps.len() as u64]);
+    gaps.iter().for_each(|gap| push_gap(cells, gap));
+}
+
+fn push_gap(cells: &mut Vec<u64>, gap: &Gap) {
+    match gap {
+        Gap::Uniform(gap) => cells.extend([0, gap.to_bits()]),
+        Gap::PerAxis(gaps) => {
+            cells.push(gaps.dimension() as u64);
+            push_point(cells, gaps);
+        }
+    }
+}
+
+fn write_body(body: &Body, header: &mut RequestHeader, cells: &mut Vec<u64>) {
+    (header.body_kind, header.body_points) = match body {
+        Body::Polygon(vertices) => {
+            vertices.iter().for_each(|vertex| push_point(cells, vertex));
+            (0, vertices.len() as u64)
+        }
+        Body::Box(sides) => {
+            push_box(cells, sides);
+            (1, 2)
+        }
+        Body::Footprint(Footprint { width, length }) => {
+            cells.extend([width.to_bits(), length.to_bits()]);
+            (2, 1)
+        }
+    };
+}
+
+fn push_point(cells: &mut Vec<u64>, point: &Vector) {
+    cells.extend(point.as_slice().iter().map(|value| value.to_bits()));
+}
+
+fn push_box(cells: &mut Vec<u64>, sides: &AxisBox) {
+    push_point(cells, &sides.min);
+    push_point(cells, &sides.max);
+}
+
+/// Reads a scene from memory into `scene`, reusing what that holds. On failure
+/// `scene` holds something, but nothing of use.
+pub fn read_scene(
+    header: &RequestHeader,
+    cells: &[u64],
+    scene: &mut SceneRequest,
+) -> Result<(), Malformed> {
+    if !(2..=3).contains(&header.dimension) {
+        let code = u64::from(header.dimension);
+        return Err(Malformed::UnknownCode { what: "dimension", code, greatest: 3 });
+    }
+    if header.given & !given::ALL != 0 {
+        let code = header.given;
+        return Err(Malformed::UnknownCode { what: "given", code, greatest: given::ALL });
+    }
+    let dimension = header.dimension as usize;
+    let mut cells = CellReader::new(cells);
+    read_options(header, dimension, scene)?;
+    scene.exit.clear();
+    for code in cells.take("exits", u64::from(header.exits), 1)? {
+        scene.exit.push(codes::value("exit", &DIRECTIONS, *code)?);
+    }
+    read_wish(header, &mut cells, &mut scene.clearance)?;
+    read_body(header, dimension, &mut cells, &mut scene.body)?;
+    let has = |bit: u64| header.given & bit != 0;
+
+    let taken = cells.take("channels", header.channels, 2 * dimension)?;
+    if has(given::CHANNELS) {
+        let channels = scene.free_space.channels.get_or_insert_default();
+        channels.clear();
+        channels.extend(taken.chunks_exact(2 * dimension).map(|cells| axis_box(cells, dimension)));
+    } else {
+        scene.free_space.channels = None;
+    }
+
+    cells.expect("solids", header.solids)?;
+    if has(given::SOLIDS) {
+        let solids = scene.free_space.solids.get_or_insert_default();
+        solids.truncate(header.solids as usize);
+        for index in 0..header.solids as usize {
+            if index == solids.len() {
+                solids.push(Solid::Box(AxisBox::default()));
+            }
+            read_solid(dimension, &mut cells, &mut solids[index])?;
+        }
+    } else {
+        scene.free_space.solids = None;
+    }
+    cells.end()
+}
+
+fn read_options(
+    header: &RequestHeader,
+    dimension: usize,
+    scene: &mut SceneRequest,
+) -> Result<(), Malformed> {
+    let has = |bit: u64| header.given & bit != 0;
+    scene.id = has(given::ID).then_some(header.id);
+    scene.task = codes::value("task", &TASKS, header.task.into())?;
+    scene.free_space.in_order = has(given::IN_ORDER);
+    scene.free_space.bounds = has(given::BOUNDS).then(|| AxisBox {
+        min: numbers(&header.bounds[..dimension]),
+        max: numbers(&header.bounds[dimension..2 * dimension]),
+    });
+    let [x, y, heading] = header.start;
+    scene.start = has(given::START).then(|| Pose { position: [x, y].into(), heading });
+    let [x, y, heading] = header.goal;
+    scene.goal = has(given::GOAL).then(|| Goal {
+        position: [x, y].into(),
+        heading: has(given::GOAL_HEADING).then_some(heading),
+    });
+    scene.start_turn = match has(given::START_TURN) {
+        true => Some(codes::value("start_turn", &START_TURNS, header.start_turn.into())?),
+        false => None,
+    };
+    scene.sampling = match (has(given::SAMPLING), header.sampling_kind) {
+        (false, _) => None,
+        (true, 0) => Some(Sampling::Period(f64::from_bits(header.sampling))),
+        (true, 1) => Some(Sampling::Spacing(f64::from_bits(header.sampling))),
+        (true, 2) => Some(Sampling::Count(header.sampling)),
+        (true, code) => {
+            let code = code.into();
+            return Err(Malformed::UnknownCode { what: "sampling_kind", code, greatest: 2 });
+        }
+    };
+    scene.deadline = has(given::DEADLINE).then_some(header.deadline);
+    let limit = |index: usize| has(given::LIMITS << index).then_some(header.limits[index]);
+    scene.limits = Limits {
+        speed: limit(0),
+        acceleration: limit(1),
+        yaw_rate: limit(2),
+        yaw_acceleration: limit(3),
+        lateral_acceleration: limit(4),
+    };
+    Ok(())
+}
+
+fn read_wish(
+    header: &RequestHeader,
+    cells: &mut CellReader,
+    wish: &mut ClearanceWish,
+) -> Result<(), Malformed> {
+    cells.expect("choices", header.choices)?;
+    match header.wish_kind {
+        0 => {
+            *wish = match read_choice(cells)? {
+                Choice::Gap(gap) => ClearanceWish::Gap(gap),
+                Choice::Gaps(gaps) => ClearanceWish::Gaps(gaps),
+                Choice::Safest => ClearanceWish::Safest,
+            };
+        }
+        1 => {
+            if !matches!(wish, ClearanceWish::Each(_)) {
+                *wish = ClearanceWish::Each(Vec::new());
+            }
+            if let ClearanceWish::Each(choices) = wish {
+                choices.clear();
+                for _ in 0..header.choices {
+                    choices.push(read_choice(cells)?);
+                }
+            }
+        }
+        2 => *wish = ClearanceWish::Curve(header.curve),
+        code => {
+            let code = code.into();
+            return Err(Malformed::UnknownCode { what: "wish_kind", code, greatest: 2 });
+        }
+    }
+    Ok(())
+}
+
+fn read_choice(cells: &mut CellReader) -> Result<Choice, Malformed> {
+    match cells.next("choice")? {
+        0 => Ok(Choice::Gap(read_gap(cells)?)),
+        1 => {
+            let count = cells.count("gaps")?;
+            (0..count).map(|_| read_gap(cells)).collect::<Result<_, _>>().map(Choice::Gaps)
+        }
+        2 => Ok(Choice::Safest),
+        code => Err(Malformed::UnknownCode { what: "choice", code, greatest: 2 }),
+    }
+}
+
+fn read_gap(cells: &mut CellReader) -> Result<Gap, Malformed> {
+    match cells.next("gap")? {
+        0 => Ok(Gap::Uniform(f64::from_bits(cells.next("gap")?))),
+        count @ 1..=3 => Ok(Gap::PerAxis(point(cells.take("gap", count, 1)?))),
+        code => Err(Malformed::UnknownCode { what: "gap", code, greatest: 3 }),
+    }
+}
+
+fn read_body(
+    header: &RequestHeader,
+    dimension: usize,
+    cells: &mut CellReader,
+    body: &mut Body,
+) -> Result<(), Malformed> {
+    let taken = cells.take("body", header.body_points, dimension)?;
+    match (header.body_kind, header.body_points) {
+        (0, _) => {
+            if !matches!(body, Body::Polygon(_)) {
+                *body = Body::Polygon(Vec::new());
+            }
+            if let Body::Polygon(vertices) = body {
+                fill_points(vertices, taken, dimension);
+            }
+        }
+        (1, 2) => *body = Body::Box(axis_box(taken, dimension)),
+        (2, 1) => {
+            let (width, length) = (f64::from_bits(taken[0]), f64::from_bits(taken[1]));
+            *body = Body::Footprint(Footprint { width, length });
+        }
+        (1, points) => {
+            return Err(Malformed::UnknownCode { what: "body_points", code: points, greatest: 2 });
+        }
+        (2, points) => {
+            return Err(Malformed::UnknownCode { what: "body_points", code: points, greatest: 1 });
+        }
+        (code, _) => {
+            let code = code.into();
+            return Err(Malformed::UnknownCode { what: "body_kind", code, greatest: 2 });
+        }
+    }
+    Ok(())
+}
+
+fn read_solid(
+    dimension: usize,
+    cells: &mut CellReader,
+    solid: &mut Solid,
+) -> Result<(), Malformed> {
+    match cells.next("solid")? {
+        0 => {
+            let count = cells.next("solid")?;
+            let taken = cells.take("solid", count, dimension)?;
+            if !matches!(solid, Solid::Polygon(_)) {
+                *solid = Solid::Polygon(Vec::new());
+            }
+            if let Solid::Polygon(vertices) = solid {
+                fill_points(vertices, taken, dimension);
+            }
+        }
+        1 => *solid = Solid::Box(axis_box(cells.take("solid", 2, dimension)?, dimension)),
+        code => return Err(Malformed::UnknownCode { what: "solid", code, greatest: 1 }),
+    }
+    Ok(())
+}
+
+fn fill_points(points: &mut Vec<Vector>, cells: &[u64], dimension: usize) {
+    points.clear();
+    points.extend(cells.chunks_exact(dimension).map(point));
+}
+
+fn axis_box(cells: &[u64], dimension: usize) -> AxisBox {
+    AxisBox { min: point(&cells[..dimension]), max: point(&cells[dimension..]) }
+}
+
+fn point(cells: &[u64]) -> Vector {
+    let mut values = [0.0; Vector::MOST];
+    for (value, cell) in values.iter_mut().zip(cells) {
+        *value = f64::from_bits(*cell);
+    }
+    numbers(&values[..cells.len()])
+}
+
+fn numbers(values: &[f64]) -> Vector {
+    Vector::new(values).expect("callers pass one to three numbers")
+}

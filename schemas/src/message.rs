@@ -1,0 +1,63 @@
+//! Owned messages: what is planned from, answered and recorded.
+
+mod assemble;
+mod reply;
+mod scene;
+mod vector;
+
+pub use assemble::{AssembleError, ReplyAssembler};
+pub use reply::{
+    Answer, Clearance, Curve, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule, Trajectory,
+};
+pub use scene::{
+    AxisBox, Body, Choice, ClearanceWish, Direction, Footprint, FreeSpace, Gap, Goal, Limits, Pose,
+    Sampling, SceneRequest, Solid, StartTurn, Task,
+};
+pub use vector::Vector;
+
+pub use crate::wire::Sample;
+
+use serde::{Deserialize, Serialize};
+
+/// What ties a reply to its request, whoever else is on the bus.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+)]
+pub struct RequestKey {
+    /// The client's nonce, drawn when it starts.
+    pub client: u64,
+    /// Counts the client's requests.
+    pub sequence: u64,
+}
+
+impl std::fmt::Display for RequestKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:016x}/{}", self.client, self.sequence)
+    }
+}
+
+/// A request as it was sent: what `/planner/request` records.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Its key; the replies carry the same.
+    pub key: RequestKey,
+    /// When the client sent it.
+    pub sent_ns: u64,
+    /// What it asks.
+    pub content: RequestContent,
+}
+
+/// What a request asks, if it can be read at all.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "nearly every request is a scene")]
+pub enum RequestContent {
+    /// A scene to plan.
+    Scene(SceneRequest),
+    /// Memory that is no scene, kept as it came: the header's words, then the payload's.
+    Unreadable {
+        /// [`crate::wire::RequestHeader`] as 64-bit words.
+        header: Vec<u64>,
+        /// The payload's words.
+        cells: Vec<u64>,
+    },
+}

@@ -1,0 +1,224 @@
+//! The reply: trajectories, or why there is none.
+
+use serde::{Deserialize, Serialize};
+
+use super::{AxisBox, Direction, RequestKey, Sample, Vector};
+
+/// A whole reply, put together from its parts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reply {
+    /// The request's key.
+    pub key: RequestKey,
+    /// The request's id.
+    pub id: Option<u64>,
+    /// One answer to each clearance wished for; or why the request as a whole is refused.
+    pub answers: Result<Vec<Answer>, Refusal>,
+}
+
+/// The answer to one clearance wish.
+pub type Answer = Result<Trajectory, Refusal>;
+
+/// One bus message of a reply: what `/planner/reply` records. Long replies have
+/// several; the lists of a trajectory continue from part to part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReplyPart {
+    /// The request's key.
+    pub key: RequestKey,
+    /// The request's id.
+    pub id: Option<u64>,
+    /// When the planner sent it.
+    pub sent_ns: u64,
+    /// Counts the parts of this reply, from 0.
+    pub part: u32,
+    /// Whether this is the reply's last part.
+    pub last: bool,
+    /// Which answer it belongs to, from 0.
+    pub answer: u32,
+    /// How many answers the reply has; 0 where the request as a whole is refused.
+    pub answers: u32,
+    /// What it says of this answer.
+    pub content: Answer,
+}
+
+/// A planned and sampled motion.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Trajectory {
+    /// How many coordinates positions have: 2 or 3.
+    pub dimension: u32,
+    /// How many gaps stand in `gaps` for each junction: the dimension for
+    /// assembly tasks, 1 for driving.
+    pub gaps_per_junction: u32,
+    /// The way out that was taken, where the request left a choice.
+    pub exit: Option<Direction>,
+    /// Arc length, metres.
+    pub length: f64,
+    /// Seconds.
+    pub duration: f64,
+    /// How close the body comes to the walls.
+    pub clearance: Clearance,
+    /// The gaps used, junction by junction in travel order; metres.
+    pub gaps: Vec<f64>,
+    /// Indices of the channels travelled, in travel order.
+    pub route: Vec<u64>,
+    /// The channels, where the planner made them.
+    pub channels: Vec<AxisBox>,
+    /// The pieces of the path.
+    pub legs: Vec<Leg>,
+    /// States of the motion, times strictly increasing.
+    pub samples: Vec<Sample>,
+}
+
+/// How close the body comes to the walls, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Clearance {
+    /// Exact least distance over the whole motion, metres.
+    pub value: f64,
+    /// Arc length where it is met, metres.
+    pub at: f64,
+    /// The wall point that is that close, metres.
+    pub wall: Vector,
+}
+
+/// One piece of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Leg {
+    /// The curve that the body's reference point follows.
+    pub curve: Curve,
+    /// Arc length, metres.
+    pub length: f64,
+    /// Exact least distance to the walls on it, metres.
+    pub clearance: f64,
+    /// The junction it leads to or turns in, counted in travel order.
+    pub junction: Option<u64>,
+    /// The rule of the paper that chose it.
+    pub rule: Option<Rule>,
+}
+
+/// The curve of a leg. Metres; radians counter-clockwise from +x.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Curve {
+    /// A straight segment.
+    Line {
+        /// Where it begins.
+        from: Vector,
+        /// Where it ends.
+        to: Vector,
+        /// Heading at its end.
+        heading: f64,
+        /// Signed angle turned on the way; 0 but when turning while moving.
+        turned: f64,
+    },
+    /// A part of a guiding circle, the heading tangent to it.
+    Arc {
+        /// Centre.
+        center: Vector,
+        /// Radius.
+        radius: f64,
+        /// Angle from the centre to the arriving point.
+        start_angle: f64,
+        /// Signed angle run through, positive to the left.
+        sweep: f64,
+    },
+    /// A turn in place.
+    Turn {
+        /// Where.
+        position: Vector,
+        /// Heading before.
+        from_heading: f64,
+        /// Heading after.
+        to_heading: f64,
+        /// Signed angle turned, positive to the left.
+        sweep: f64,
+    },
+}
+
+/// A rule of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rule {
+    /// 1: part assembly, 2: mobile robot.
+    pub table: u16,
+    /// Its number in the table, from 1.
+    pub number: u16,
+}
+
+/// Why there is no trajectory, and what would have to change.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Refusal {
+    /// What kind of refusal.
+    pub code: ErrorCode,
+    /// In words, with the numbers.
+    pub message: String,
+    /// The field of the request that is at fault, as a path.
+    pub field: Option<String>,
+    /// The junction (corner) concerned, counted in travel order.
+    pub junction: Option<u64>,
+    /// The axis concerned: 0 x, 1 y, 2 z.
+    pub axis: Option<u32>,
+    /// What would be needed.
+    pub needs: Option<f64>,
+    /// What there is.
+    pub has: Option<f64>,
+    /// The bound below, itself excluded.
+    pub least: Option<f64>,
+    /// The bound above.
+    pub most: Option<f64>,
+    /// The heading that would be free, radians.
+    pub heading: Option<f64>,
+}
+
+impl Refusal {
+    /// A refusal with a message and no numbers yet.
+    pub fn new(code: ErrorCode, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            message: message.into(),
+            field: None,
+            junction: None,
+            axis: None,
+            needs: None,
+            has: None,
+            least: None,
+            most: None,
+            heading: None,
+        }
+    }
+
+    /// An `invalid_scene` refusal that names the field at fault.
+    pub fn invalid(field: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { field: Some(field.into()), ..Self::new(ErrorCode::InvalidScene, message) }
+    }
+}
+
+/// The kinds of refusals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ErrorCode {
+    /// The request is not a possible scene.
+    InvalidScene,
+    /// The request has a layout that this planner does not know.
+    UnsupportedVersion,
+    /// The body is not in the free space at the start.
+    BodyOutsideFreeSpace,
+    /// The body would not be in the free space at the goal.
+    GoalOutsideFreeSpace,
+    /// The channels do not connect start and end.
+    NoRoute,
+    /// The body does not pass a junction (equation 2.5).
+    JunctionTooSmall,
+    /// A gap is outside its bounds (equation 3.1).
+    GapOutOfRange,
+    /// No tangent runs between two guiding circles.
+    CornersTooClose,
+    /// The robot can't turn in place.
+    TurnBlocked,
+    /// The body would touch a wall.
+    WallInTheWay,
+    /// The trajectory would have more samples than allowed.
+    TooManySamples,
+    /// The answer would have come too late.
+    DeadlineExceeded,
+    /// Too many requests wait.
+    Overloaded,
+    /// The planner failed.
+    Internal,
+}

@@ -1,0 +1,260 @@
+//! The scene request: what people write (as JSON) and what is planned from.
+//!
+//! The derives give both forms, JSON and the recorded one; the few types that
+//! people write in more than one way (a number or a list, say) are in
+//! [`crate::json`]'s care.
+
+use serde::{Deserialize, Serialize};
+
+use super::Vector;
+use crate::json;
+
+/// A scene to plan in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneRequest {
+    /// Echoed in the reply.
+    #[serde(default)]
+    pub id: Option<u64>,
+    /// What to plan.
+    pub task: Task,
+    /// Where the body can move.
+    pub free_space: FreeSpace,
+    /// What moves.
+    pub body: Body,
+    /// Assembly tasks: ways out of the part to try; none means `+z`.
+    #[serde(default, with = "json::one_or_many")]
+    pub exit: Vec<Direction>,
+    /// Driving: where the robot stands.
+    #[serde(default)]
+    pub start: Option<Pose>,
+    /// Driving: where it goes.
+    #[serde(default)]
+    pub goal: Option<Goal>,
+    /// Driving: how the robot takes up its first heading; none means in place.
+    #[serde(default)]
+    pub start_turn: Option<StartTurn>,
+    /// The clearance gaps wished for.
+    pub clearance: ClearanceWish,
+    /// How fast the body may move.
+    #[serde(default)]
+    pub limits: Limits,
+    /// Which states of the motion the reply holds; none means every 0.02 s.
+    #[serde(default)]
+    pub sampling: Option<Sampling>,
+    /// Seconds from arrival within which the answer is of use.
+    #[serde(default)]
+    pub deadline: Option<f64>,
+}
+
+impl SceneRequest {
+    /// A scene without anything in it, to read another into.
+    pub fn empty() -> Self {
+        Self {
+            id: None,
+            task: Task::Disassemble,
+            free_space: FreeSpace::default(),
+            body: Body::Polygon(Vec::new()),
+            exit: Vec::new(),
+            start: None,
+            goal: None,
+            start_turn: None,
+            clearance: ClearanceWish::Safest,
+            limits: Limits::default(),
+            sampling: None,
+            deadline: None,
+        }
+    }
+}
+
+/// What to plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Task {
+    /// From the assembled state out of the part (paper, section 3).
+    Disassemble,
+    /// The exact reverse of disassembling.
+    Assemble,
+    /// The rectangular mobile robot through corridors (paper, section 5).
+    Drive,
+}
+
+/// Where the body can move: by channels, by solids, or by both.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FreeSpace {
+    /// The channels.
+    #[serde(default)]
+    pub channels: Option<Vec<AxisBox>>,
+    /// Whether the channels stand in travel order, none skipped.
+    #[serde(default)]
+    pub in_order: bool,
+    /// What the body must not touch.
+    #[serde(default)]
+    pub solids: Option<Vec<Solid>>,
+    /// Outermost limits of the free space beside solids.
+    #[serde(default)]
+    pub bounds: Option<AxisBox>,
+}
+
+/// A box with sides parallel to the axes; metres.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisBox {
+    /// The corner with the least coordinates.
+    pub min: Vector,
+    /// The corner with the greatest coordinates.
+    pub max: Vector,
+}
+
+/// Something solid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solid {
+    /// A simple polygon by its vertices, in either sense; metres.
+    Polygon(Vec<Vector>),
+    /// A box.
+    Box(AxisBox),
+}
+
+/// What moves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Body {
+    /// A simple polygon where it is in the assembled state; metres.
+    Polygon(Vec<Vector>),
+    /// A box where it is in the assembled state.
+    Box(AxisBox),
+    /// The mobile robot; its reference point is the centre.
+    Footprint(Footprint),
+}
+
+/// The rectangle that a mobile robot covers; metres.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Footprint {
+    /// Across the heading.
+    pub width: f64,
+    /// Along the heading.
+    pub length: f64,
+}
+
+/// A direction along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Direction {
+    /// Towards greater x.
+    #[serde(rename = "+x")]
+    PlusX,
+    /// Towards smaller x.
+    #[serde(rename = "-x")]
+    MinusX,
+    /// Towards greater y.
+    #[serde(rename = "+y")]
+    PlusY,
+    /// Towards smaller y.
+    #[serde(rename = "-y")]
+    MinusY,
+    /// Towards greater z.
+    #[serde(rename = "+z")]
+    PlusZ,
+    /// Towards smaller z.
+    #[serde(rename = "-z")]
+    MinusZ,
+}
+
+/// Where the robot stands.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// The footprint's centre, metres.
+    pub position: Vector,
+    /// Radians counter-clockwise from +x.
+    pub heading: f64,
+}
+
+/// Where the robot goes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Goal {
+    /// The footprint's centre, metres.
+    pub position: Vector,
+    /// Radians counter-clockwise from +x; none: the heading that it arrives with.
+    #[serde(default)]
+    pub heading: Option<f64>,
+}
+
+/// How the robot takes up its first heading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StartTurn {
+    /// It turns where it stands.
+    InPlace,
+    /// It turns on the way to the first arriving point, as in the paper.
+    WhileMoving,
+}
+
+/// A clearance gap: one number for all axes, or one per axis (equation 3.1). In
+/// JSON a number or a list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gap {
+    /// The same along every axis; metres.
+    Uniform(f64),
+    /// One number per axis; metres.
+    PerAxis(Vector),
+}
+
+/// How large the gaps are to be for one answer. Within `each` in JSON: a
+/// number, a list, `"safest"`, or an object with `gap` or `gaps`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Choice {
+    /// The same at every junction.
+    Gap(Gap),
+    /// One per junction, in travel order.
+    Gaps(Vec<Gap>),
+    /// The gap that leaves the greatest clearance.
+    Safest,
+}
+
+/// The clearance gaps wished for: one answer, or several.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClearanceWish {
+    /// The same gap at every junction.
+    Gap(Gap),
+    /// One gap per junction, in travel order.
+    Gaps(Vec<Gap>),
+    /// The gap that leaves the greatest clearance.
+    Safest,
+    /// An answer to each of these.
+    Each(Vec<Choice>),
+    /// This many answers, without samples, from the shortest to the safest.
+    Curve(u64),
+}
+
+/// How fast the body may move; what is not given has the planner's default.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    /// m/s; 1.0 where not given.
+    pub speed: Option<f64>,
+    /// Along the path, m/s²; 0.5 where not given.
+    pub acceleration: Option<f64>,
+    /// rad/s; 1.0 where not given.
+    pub yaw_rate: Option<f64>,
+    /// While turning in place, rad/s²; 1.0 where not given.
+    pub yaw_acceleration: Option<f64>,
+    /// Across the path, m/s²; 0.5 where not given.
+    pub lateral_acceleration: Option<f64>,
+}
+
+/// Which states of the motion the reply holds, beside the ends of all legs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sampling {
+    /// One every so many seconds.
+    Period(f64),
+    /// One every so many metres of arc length.
+    Spacing(f64),
+    /// This many, evenly spaced in time.
+    Count(u64),
+}

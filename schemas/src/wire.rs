@@ -1,0 +1,236 @@
+//! Plain memory: the messages as they lie in shared memory.
+//!
+//! A request is a [`RequestHeader`] and a payload of 64-bit cells; so is every
+//! part of a reply, with a [`ReplyHeader`]. Cells hold `f64` bit patterns or
+//! unsigned integers in the machine's byte order. Every bit pattern of these
+//! types is a value, so memory that a hostile or dying peer wrote can be read;
+//! whether it makes sense is [`crate::convert`]'s to say.
+//!
+//! [`LAYOUT`] is the layout in words. Its hash is part of the type names on the
+//! bus, so that peers with different layouts do not connect.
+
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+
+/// Number of the layout; a planner refuses others (`unsupported_version`).
+pub const VERSION: u32 = 1;
+
+/// Most cells in one part of a reply: 128 KiB. Longer replies have several parts,
+/// so that no reply has a largest size and the memory per client stays small.
+pub const PART_CELLS: usize = 16_384;
+
+/// The layout in words; see [`crate::topic::layout_hash`].
+pub const LAYOUT: &str = include_str!("wire/layout.txt");
+
+/// Bits of [`RequestHeader::given`]: which optional fields hold something.
+pub mod given {
+    /// `id`
+    pub const ID: u64 = 1;
+    /// The channels (their count may be 0).
+    pub const CHANNELS: u64 = 1 << 1;
+    /// The channels stand in travel order.
+    pub const IN_ORDER: u64 = 1 << 2;
+    /// The solids (their count may be 0).
+    pub const SOLIDS: u64 = 1 << 3;
+    /// `bounds`
+    pub const BOUNDS: u64 = 1 << 4;
+    /// `start`
+    pub const START: u64 = 1 << 5;
+    /// `goal`, its position
+    pub const GOAL: u64 = 1 << 6;
+    /// The goal's heading.
+    pub const GOAL_HEADING: u64 = 1 << 7;
+    /// `start_turn`
+    pub const START_TURN: u64 = 1 << 8;
+    /// `sampling_kind` and `sampling`
+    pub const SAMPLING: u64 = 1 << 9;
+    /// `deadline`
+    pub const DEADLINE: u64 = 1 << 10;
+    /// `limits[0]`; the bits of the other limits follow.
+    pub const LIMITS: u64 = 1 << 11;
+    /// All bits that mean something.
+    pub const ALL: u64 = (LIMITS << 5) - 1;
+}
+
+/// What every request starts with: who asks, and all of the scene that has a fixed size.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RequestHeader {
+    /// [`VERSION`]
+    pub version: u32,
+    /// How many coordinates points have: 2 or 3.
+    pub dimension: u32,
+    /// The client's nonce.
+    pub client: u64,
+    /// Counts the client's requests.
+    pub sequence: u64,
+    /// When it was sent, nanoseconds since the Unix epoch.
+    pub sent_ns: u64,
+    /// See [`given`].
+    pub given: u64,
+    /// Echoed in the reply.
+    pub id: u64,
+    /// 0 disassemble, 1 assemble, 2 drive.
+    pub task: u32,
+    /// 0 in place, 1 while moving.
+    pub start_turn: u32,
+    /// 0 period (s), 1 spacing (m), 2 count.
+    pub sampling_kind: u32,
+    /// 0 polygon, 1 box, 2 footprint.
+    pub body_kind: u32,
+    /// 0 one choice, 1 each of the choices, 2 a curve.
+    pub wish_kind: u32,
+    /// Directions in the payload.
+    pub exits: u32,
+    /// 1 where the client sleeps and is to be woken, 0 where it polls.
+    pub wake: u32,
+    /// 0.
+    pub reserved: u32,
+    /// A period or spacing as `f64` bits, or a count.
+    pub sampling: u64,
+    /// Speed, acceleration, yaw rate, yaw acceleration, lateral acceleration; SI.
+    pub limits: [f64; 5],
+    /// Seconds from arrival.
+    pub deadline: f64,
+    /// x, y (m) and heading (rad).
+    pub start: [f64; 3],
+    /// x, y (m) and heading (rad).
+    pub goal: [f64; 3],
+    /// Least corner, then greatest corner, `dimension` coordinates each; metres.
+    pub bounds: [f64; 6],
+    /// Points of a curve.
+    pub curve: u64,
+    /// Choices in the payload.
+    pub choices: u64,
+    /// Points of the body in the payload: vertices, 2 corners, or 1 (width, length).
+    pub body_points: u64,
+    /// Channels in the payload.
+    pub channels: u64,
+    /// Solids in the payload.
+    pub solids: u64,
+}
+
+/// What every part of a reply starts with.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ReplyHeader {
+    /// [`VERSION`]
+    pub version: u32,
+    /// How many coordinates points have: 2 or 3.
+    pub dimension: u32,
+    /// The request's client nonce.
+    pub client: u64,
+    /// The request's sequence number.
+    pub sequence: u64,
+    /// When it was sent, nanoseconds since the Unix epoch.
+    pub sent_ns: u64,
+    /// The request's id, if `has_id`.
+    pub id: u64,
+    /// 0 or 1.
+    pub has_id: u32,
+    /// 1 for the last part.
+    pub last: u32,
+    /// Counts the parts, from 0.
+    pub part: u32,
+    /// 0 a trajectory, 1 a refusal.
+    pub kind: u32,
+    /// Which answer this part belongs to.
+    pub answer: u32,
+    /// How many answers there are; 0 where the whole request is refused.
+    pub answers: u32,
+    /// The way out taken: 0 not named, else 1 + direction code.
+    pub exit: u32,
+    /// Gaps for each junction.
+    pub gaps_per_junction: u32,
+    /// Arc length, metres.
+    pub length: f64,
+    /// Seconds.
+    pub duration: f64,
+    /// Least distance to the walls, metres.
+    pub clearance: f64,
+    /// Arc length where it is met, metres.
+    pub clearance_at: f64,
+    /// The wall point there, metres.
+    pub wall: [f64; 3],
+    /// Gap values in this part.
+    pub gaps: u32,
+    /// Channel indices in this part.
+    pub route: u32,
+    /// Channels in this part.
+    pub channels: u32,
+    /// Legs in this part.
+    pub legs: u32,
+    /// Samples in this part.
+    pub samples: u32,
+    /// Cells of a refusal in this part.
+    pub refusal: u32,
+}
+
+/// A leg of a path in a reply's payload.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Leg {
+    /// 0 line, 1 arc, 2 turn.
+    pub kind: u32,
+    /// Table of the rule, 0 for none.
+    pub table: u16,
+    /// Number of the rule in it.
+    pub number: u16,
+    /// The junction, counted in travel order; `u64::MAX` for none.
+    pub junction: u64,
+    /// Arc length, metres.
+    pub length: f64,
+    /// Least distance to the walls, metres.
+    pub clearance: f64,
+    /// Line: from. Arc: centre. Turn: position. Metres.
+    pub point: [f64; 3],
+    /// Line: to. Metres.
+    pub to: [f64; 3],
+    /// Arc: radius, metres.
+    pub radius: f64,
+    /// Arc: start angle. Turn: heading before. Radians.
+    pub start: f64,
+    /// Line: heading at its end. Turn: heading after. Radians.
+    pub heading: f64,
+    /// Arc, turn: signed angle run through. Line: signed angle turned on the way. Radians.
+    pub sweep: f64,
+}
+
+/// A state of the motion: the rigid transform of the body as the request gave it
+/// (assembly tasks: the displacement from the assembled state; driving: the pose
+/// of the footprint's centre) and its rate of change.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
+pub struct Sample {
+    /// Seconds from the beginning of the motion.
+    pub t: f64,
+    /// Metres; unused coordinates are 0.
+    pub position: [f64; 3],
+    /// Radians counter-clockwise from +x, in (-pi, pi].
+    pub heading: f64,
+    /// Metres per second.
+    pub velocity: [f64; 3],
+    /// Radians per second.
+    pub yaw_rate: f64,
+}
+
+/// Cells that a [`Leg`] takes.
+pub const LEG_CELLS: usize = size_of::<Leg>() / 8;
+
+/// Cells that a [`Sample`] takes.
+pub const SAMPLE_CELLS: usize = size_of::<Sample>() / 8;
+
+/// What every message on the planner's tap starts with.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct TapHeader {
+    /// Counts all messages of the tap; a gap is a loss.
+    pub sequence: u64,
+    /// When the planner took (request) or sent (reply) the message, nanoseconds
+    /// since the Unix epoch.
+    pub time_ns: u64,
+    /// 0 a request, 1 a part of a reply, 2 a heartbeat without payload.
+    pub kind: u32,
+    /// Long messages are cut: bit 0 where one begins, bit 1 where it ends.
+    pub piece: u32,
+}

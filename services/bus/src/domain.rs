@@ -1,0 +1,123 @@
+//! Domains keep systems on one machine apart.
+
+use std::time::Duration;
+
+use iceoryx2::prelude::{
+    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, Path, SemanticString, ipc,
+};
+use thiserror::Error;
+
+/// The directory for the small files of the bus; the memory itself is in `/dev/shm`.
+const ROOT: &str = "/tmp/iceoryx2";
+
+/// Prefix of all files of the bus; the one that iceoryx2's own tools look for.
+const PREFIX: &str = "iox2_";
+
+/// Longest name of a domain, bytes; names of files are made from it.
+const MOST_NAME: usize = 64;
+
+/// A system of its own: only what is in the same domain can talk.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Domain {
+    /// Empty for the default domain.
+    name: String,
+}
+
+/// Why a domain can't be used.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum DomainError {
+    /// Its name can't be part of a file's name.
+    #[error(
+        "domain {0:?}: a name has 1 to {MOST_NAME} letters, digits, '-' or '_', and starts with a letter or digit"
+    )]
+    Name(String),
+    /// No node could be created in it.
+    #[error("can't join domain {domain}: {cause}")]
+    Join {
+        /// The domain.
+        domain: Domain,
+        /// What iceoryx2 says.
+        cause: String,
+    },
+}
+
+impl Domain {
+    /// The domain of this name.
+    pub fn new(name: &str) -> Result<Self, DomainError> {
+        let letters = name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-' || c == b'_');
+        let first = name.bytes().next().is_some_and(|c| c.is_ascii_alphanumeric());
+        if letters && first && name.len() <= MOST_NAME {
+            Ok(Self { name: name.to_owned() })
+        } else {
+            Err(DomainError::Name(name.to_owned()))
+        }
+    }
+
+    fn config(&self) -> Config {
+        let mut config = Config::default();
+        if !self.name.is_empty() {
+            config.global.prefix = FileName::new(format!("{PREFIX}{}_", self.name).as_bytes())
+                .expect("the domain's name was checked");
+            config.global.set_root_path(
+                &Path::new(format!("{ROOT}/{}", self.name).as_bytes())
+                    .expect("the domain's name was checked"),
+            );
+        }
+        // Opening a service takes as long as a busy machine needs.
+        config.global.creation_timeout = Duration::from_secs(5);
+        config
+    }
+
+    /// Takes part in this domain as `role`, after clearing away what died in it.
+    pub(crate) fn join(&self, role: &str) -> Result<Node<ipc::Service>, DomainError> {
+        let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
+        NodeBuilder::new()
+            .name(&NodeName::new(role).expect("roles are short"))
+            .config(&self.config())
+            .create::<ipc::Service>()
+            .map_err(|error| failed(error.to_string()))
+    }
+
+    /// Removes what iceoryx2 leaves behind when the last process has left: a file of
+    /// 16 bytes in `/dev/shm` and empty directories. Does nothing while anybody,
+    /// dead or alive, is in the domain.
+    pub fn tidy(&self) {
+        let config = self.config();
+        let mut nodes = 0;
+        let listed = Node::<ipc::Service>::list(&config, |_| {
+            nodes += 1;
+            CallbackProgression::Stop
+        });
+        if listed.is_err() || nodes > 0 {
+            return;
+        }
+        #[expect(unsafe_code, reason = "the file counts nodes, and there are none")]
+        // SAFETY: nobody is in the domain. A node that is created at this very moment
+        // finds either the old file or none and makes it anew; its id also holds its
+        // process number and the time.
+        let removed =
+            unsafe { iceoryx2::testing::remove_global_mgmt_segment::<ipc::Service>(&config) };
+        if let Err(error) = removed {
+            tracing::debug!(domain = %self, ?error, "could not remove the last file");
+        }
+        // Only empty directories go.
+        for directory in [config.global.node_dir(), config.global.service_dir()] {
+            let _ = std::fs::remove_dir(directory.to_string());
+        }
+        let _ = std::fs::remove_dir(config.global.root_path().to_string());
+    }
+}
+
+impl std::fmt::Display for Domain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.name.is_empty() { "default" } else { &self.name })
+    }
+}
+
+impl std::str::FromStr for Domain {
+    type Err = DomainError;
+
+    fn from_str(name: &str) -> Result<Self, DomainError> {
+        Self::new(name)
+    }
+}

@@ -1,0 +1,361 @@
+//! Assembly tasks: a body that translates out of a part (paper, section 3), or into
+//! it by the same way-points in reverse.
+
+use planning::clearance::Clearance;
+use planning::clearance::translating::{Body, translating_clearance};
+use planning::clearance::walls::Walls;
+use planning::disassembly::{self, DisassemblyError, Path, disassemble};
+use planning::free_space::{Chain, End};
+use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use planning::trajectory::{Limits, Profile, Sampling, Stops};
+use schemas::convert::{PartSink, TrajectoryWriter};
+use schemas::message::{self, Gap, Refusal, RequestKey, SceneRequest, Solid, Task};
+use schemas::wire::ReplyHeader;
+
+use super::parts::{self, Parts};
+use super::refuse::{self, Axes, PLANE, SPACE};
+use super::{MOST_SAMPLES, Wish, Wishes, check};
+
+/// Memory for assembly tasks in `D` dimensions.
+#[derive(Debug, Default)]
+pub(super) struct Assembly<const D: usize> {
+    body: Vec<Vector<2>>,
+    solid: Vec<Vector<2>>,
+    channels: Vec<AxisBox<D>>,
+    chain: Chain<D>,
+    walls: Walls<D>,
+    gaps: Vec<Vector<D>>,
+    path: Path<D>,
+    clearances: Vec<Clearance<D>>,
+    profile: Profile,
+}
+
+/// What all answers to a request share.
+struct Terms<'a, const D: usize> {
+    scene: &'a SceneRequest,
+    axes: Axes,
+    body: Body<'a, D>,
+    exits: Vec<Direction>,
+    limits: Limits,
+    sampling: Sampling,
+}
+
+/// An answer, beside what the memory holds.
+struct Planned<const D: usize> {
+    /// The way out, where the request left a choice.
+    exit: Option<message::Direction>,
+    /// None where there are no walls.
+    clearance: Option<Clearance<D>>,
+}
+
+/// A refused answer.
+struct Refused {
+    refusal: Refusal,
+    /// Whether no gap would help, so that the request as a whole is refused.
+    whole: bool,
+}
+
+impl From<Refusal> for Refused {
+    fn from(refusal: Refusal) -> Self {
+        Self { refusal, whole: false }
+    }
+}
+
+impl Assembly<2> {
+    /// Answers a request for a body in the plane. `Err`: the request as a whole is
+    /// refused, and nothing has been sent.
+    pub(super) fn answer<S: PartSink>(
+        &mut self,
+        key: RequestKey,
+        scene: &SceneRequest,
+        wishes: &Wishes,
+        sink: &mut S,
+    ) -> Result<Result<(), S::Error>, Refusal> {
+        self.walls.clear();
+        for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
+            match solid {
+                Solid::Box(sides) => {
+                    let field = || format!("free_space.solids[{index}].box");
+                    self.walls.push_box(&check::axis_box(field, &PLANE, sides)?);
+                }
+                Solid::Polygon(vertices) => {
+                    let field = || format!("free_space.solids[{index}].polygon");
+                    let polygon = check::polygon(field, vertices, &mut self.solid)?;
+                    self.walls.push_polygon(&polygon);
+                    self.solid = polygon.into_vertices();
+                }
+            }
+        }
+        match &scene.body {
+            message::Body::Polygon(vertices) => {
+                let body = check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;
+                let terms = Terms::new(scene, PLANE, Body::from_polygon(&body))?;
+                let answered = self.answer_body(key, &terms, wishes, sink);
+                self.body = body.into_vertices();
+                answered
+            }
+            message::Body::Box(sides) => {
+                let body = check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?;
+                let terms = Terms::new(scene, PLANE, Body::from_box(&body))?;
+                self.answer_body(key, &terms, wishes, sink)
+            }
+            message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
+        }
+    }
+}
+
+impl Assembly<3> {
+    /// Answers a request for a body in space; see [`Assembly::<2>::answer`].
+    pub(super) fn answer<S: PartSink>(
+        &mut self,
+        key: RequestKey,
+        scene: &SceneRequest,
+        wishes: &Wishes,
+        sink: &mut S,
+    ) -> Result<Result<(), S::Error>, Refusal> {
+        self.walls.clear();
+        for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
+            match solid {
+                Solid::Box(sides) => {
+                    let field = || format!("free_space.solids[{index}].box");
+                    self.walls.push_box(&check::axis_box(field, &SPACE, sides)?);
+                }
+                Solid::Polygon(_) => {
+                    return Err(check::flat(format!("free_space.solids[{index}].polygon")));
+                }
+            }
+        }
+        match &scene.body {
+            message::Body::Box(sides) => {
+                let body = check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?;
+                let terms = Terms::new(scene, SPACE, Body::from_box(&body))?;
+                self.answer_body(key, &terms, wishes, sink)
+            }
+            message::Body::Polygon(_) => Err(check::flat("body.polygon".to_owned())),
+            message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
+        }
+    }
+}
+
+impl<'a, const D: usize> Terms<'a, D> {
+    fn new(scene: &'a SceneRequest, axes: Axes, body: Body<'a, D>) -> Result<Self, Refusal> {
+        let up = Direction {
+            axis: axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0),
+            sign: Sign::Positive,
+        };
+        let exits = match scene.exit.as_slice() {
+            [] => Ok(vec![up]),
+            exits => exits.iter().map(|exit| check::direction::<D>(&axes, *exit)).collect(),
+        };
+        Ok(Self {
+            scene,
+            axes,
+            body,
+            exits: exits?,
+            limits: check::limits(&scene.limits)?,
+            sampling: check::sampling(scene.sampling)?,
+        })
+    }
+}
+
+impl<const D: usize> Terms<'_, D> {
+    /// Whether the walls are the request's solids, not the channels' complement.
+    fn solids(&self) -> bool {
+        self.scene.free_space.solids.as_ref().is_some_and(|solids| !solids.is_empty())
+    }
+}
+
+impl<const D: usize> Assembly<D> {
+    /// Answers for a body that is checked, solid walls being in place.
+    fn answer_body<S: PartSink>(
+        &mut self,
+        key: RequestKey,
+        terms: &Terms<D>,
+        wishes: &Wishes,
+        sink: &mut S,
+    ) -> Result<Result<(), S::Error>, Refusal> {
+        let scene = terms.scene;
+        self.channels.clear();
+        for (index, sides) in scene.free_space.channels.iter().flatten().enumerate() {
+            let field = || format!("free_space.channels[{index}]");
+            self.channels.push(check::axis_box(field, &terms.axes, sides)?);
+        }
+        if let [exit] = terms.exits.as_slice() {
+            self.prepare(terms, *exit)?;
+        }
+        let mut parts = Parts::new(key, scene.id, wishes.count, sink);
+        for index in 0..wishes.count {
+            let last = index + 1 == wishes.count;
+            let sent = match self.plan(terms, wishes, index) {
+                Ok(planned) => self.send(terms, &planned, wishes.sampled(), last, &mut parts),
+                Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
+                    return Err(refused.refusal);
+                }
+                Err(refused) => parts.refuse(&refused.refusal, last),
+            };
+            if sent.is_err() {
+                return Ok(sent);
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// Makes the chain that leads to an exit, and its walls.
+    fn prepare(&mut self, terms: &Terms<D>, exit: Direction) -> Result<(), Refusal> {
+        self.chain
+            .build(&self.channels, &terms.body.bounds().center(), End::Exit(exit))
+            .map_err(|error| refuse::chain(&terms.axes, error))?;
+        match terms.solids() {
+            true => self.walls.index(),
+            false => self.walls.set_complement(&self.channels, self.chain.mouth()),
+        }
+        Ok(())
+    }
+
+    /// Plans one answer; `path`, `clearances` and `profile` then hold it. Where there are
+    /// several exits, it is the one with the shortest path.
+    fn plan(
+        &mut self,
+        terms: &Terms<D>,
+        wishes: &Wishes,
+        index: u32,
+    ) -> Result<Planned<D>, Refused> {
+        let wish = wishes.get(index);
+        let exit = match terms.exits.as_slice() {
+            [_] => {
+                self.find_path(terms, wish, || wishes.field(index))?;
+                None
+            }
+            exits => Some(self.shortest(terms, exits, wish, || wishes.field(index))?),
+        };
+        if terms.scene.task == Task::Assemble {
+            self.path.reverse();
+        }
+        let Self { path, walls, clearances, .. } = self;
+        let clearance = translating_clearance(&terms.body, walls, path.legs(), clearances);
+        if let Some(near) = clearance.filter(|near| near.value <= 0.0 && terms.solids()) {
+            return Err(refuse::wall_in_the_way(&near).into());
+        }
+        self.profile.plan(self.path.legs(), &terms.limits, Stops::EveryLeg);
+        if wishes.sampled() {
+            let samples = self.profile.sample_count(terms.sampling);
+            if samples > MOST_SAMPLES {
+                return Err(refuse::too_many_samples(samples).into());
+            }
+        }
+        Ok(Planned { exit, clearance })
+    }
+
+    fn shortest(
+        &mut self,
+        terms: &Terms<D>,
+        exits: &[Direction],
+        wish: Wish,
+        field: impl Fn() -> String + Copy,
+    ) -> Result<message::Direction, Refused> {
+        let mut best: Option<(f64, usize)> = None;
+        let mut first_refusal = None;
+        for (index, exit) in exits.iter().enumerate() {
+            let found = self
+                .prepare(terms, *exit)
+                .map_err(|refusal| Refused { refusal, whole: true })
+                .and_then(|()| self.find_path(terms, wish, field));
+            match found {
+                Ok(()) if best.is_none_or(|(length, _)| self.path.length() < length) => {
+                    best = Some((self.path.length(), index));
+                }
+                Ok(()) => {}
+                Err(refused) => {
+                    first_refusal.get_or_insert(refused);
+                }
+            }
+        }
+        match (best, first_refusal) {
+            (Some((_, index)), _) => {
+                self.prepare(terms, exits[index])?;
+                self.find_path(terms, wish, field)?;
+                Ok(terms.scene.exit[index])
+            }
+            (None, Some(refused)) => Err(refused),
+            (None, None) => unreachable!("there is an exit, and it has a path or a refusal"),
+        }
+    }
+
+    /// The path to the exit that is prepared, and its clearance.
+    fn find_path(
+        &mut self,
+        terms: &Terms<D>,
+        wish: Wish,
+        field: impl Fn() -> String,
+    ) -> Result<(), Refused> {
+        let gap = match wish {
+            Wish::Gap(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
+            Wish::Gap(Gap::PerAxis(gaps)) => disassembly::Gap::PerAxis(
+                per_axis(&gaps)
+                    .ok_or_else(|| check::gaps_per_axis(field(), gaps.dimension(), D))?,
+            ),
+            Wish::Gaps(gaps) => {
+                self.gaps.clear();
+                for (junction, gap) in gaps.iter().enumerate() {
+                    let gap = match gap {
+                        Gap::Uniform(gap) => Vector::repeat(*gap),
+                        Gap::PerAxis(gaps) => per_axis(gaps).ok_or_else(|| {
+                            let field = format!("{}[{junction}]", field());
+                            check::gaps_per_axis(field, gaps.dimension(), D)
+                        })?,
+                    };
+                    self.gaps.push(gap);
+                }
+                disassembly::Gap::PerJunction(&self.gaps)
+            }
+            Wish::Safest => disassembly::Gap::Safest,
+            Wish::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
+        };
+        disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path).map_err(|error| {
+            let whole = matches!(
+                error,
+                DisassemblyError::NoChannels
+                    | DisassemblyError::BodyOutside { .. }
+                    | DisassemblyError::JunctionTooSmall { .. }
+            );
+            Refused { refusal: refuse::disassembly(&terms.axes, field(), error), whole }
+        })
+    }
+
+    fn send<S: PartSink>(
+        &self,
+        terms: &Terms<D>,
+        planned: &Planned<D>,
+        sampled: bool,
+        last: bool,
+        parts: &mut Parts<S>,
+    ) -> Result<(), S::Error> {
+        let Self { path, clearances, profile, channels, .. } = self;
+        let legs = path.legs();
+        let still = Profile::default();
+        let samples = match sampled {
+            true => profile.samples(legs, terms.sampling),
+            false => still.samples(&[], terms.sampling),
+        };
+        let lists = TrajectoryWriter {
+            gaps: (0..path.gaps().len() * D).map(|at| path.gaps()[at / D][at % D]),
+            route: (0..channels.len()).map(|channel| channel as u64),
+            channels: std::iter::empty(),
+            legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
+            samples: samples.map(|state| parts::sample(&state)),
+        };
+        let fill = |header: &mut ReplyHeader| {
+            header.dimension = D as u32;
+            header.gaps_per_junction = D as u32;
+            header.exit = ReplyHeader::exit_code(planned.exit);
+            header.length = path.length();
+            header.duration = profile.duration();
+            parts::clearance(header, planned.clearance.as_ref());
+        };
+        parts.trajectory(fill, lists, last)
+    }
+}
+
+fn per_axis<const D: usize>(gaps: &message::Vector) -> Option<Vector<D>> {
+    (gaps.dimension() == D).then(|| check::vector(gaps))
+}

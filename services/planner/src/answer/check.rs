@@ -1,0 +1,146 @@
+//! What can be said of a request before anything is planned, and the steps from
+//! message types to planning's types, which can't be wrong.
+
+use std::mem;
+
+use planning::geometry::polygon::Polygon;
+use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use planning::trajectory::{Limits, Sampling};
+use schemas::message::{self, Refusal, SceneRequest, Task};
+
+use super::refuse::{self, Axes};
+
+/// Fields that do not go together.
+pub(super) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
+    let drive = scene.task == Task::Drive;
+    let stray = [
+        ("start", scene.start.is_some() && !drive),
+        ("goal", scene.goal.is_some() && !drive),
+        ("start_turn", scene.start_turn.is_some() && !drive),
+        ("exit", !scene.exit.is_empty() && drive),
+    ];
+    if let Some((field, _)) = stray.into_iter().find(|(_, stray)| *stray) {
+        let goes = if drive { "assembly tasks" } else { "task \"drive\"" };
+        return Err(Refusal::invalid(field, format!("{field} goes with {goes} only")));
+    }
+    let free_space = &scene.free_space;
+    match (&free_space.channels, &free_space.solids) {
+        (None, None) => {
+            return Err(Refusal::invalid(
+                "free_space",
+                "free_space has neither channels nor solids",
+            ));
+        }
+        (None, Some(_)) => {
+            let message =
+                "free_space: channels are not made from solids yet; give channels as well";
+            return Err(Refusal::invalid("free_space.channels", message));
+        }
+        (Some(channels), _) if channels.len() > 1 && !free_space.in_order => {
+            let message = "free_space: no route is sought through unordered channels yet; give \
+                           them in travel order, and \"in_order\": true";
+            return Err(Refusal::invalid("free_space.in_order", message));
+        }
+        (Some(_), _) => {}
+    }
+    if let Some(deadline) = scene.deadline
+        && !(deadline.is_finite() && deadline > 0.0)
+    {
+        let message =
+            format!("deadline must be a number of seconds greater than 0, not {deadline}");
+        return Err(Refusal::invalid("deadline", message));
+    }
+    Ok(())
+}
+
+/// A body that does not go with the task.
+pub(super) fn wrong_body(field: &str) -> Refusal {
+    Refusal::invalid(field, format!("{field}: the body of an assembly task is a polygon or a box"))
+}
+
+/// A polygon in space.
+pub(super) fn flat(field: String) -> Refusal {
+    let message = format!("{field}: polygons are for two dimensions; in three there are boxes");
+    Refusal::invalid(field, message)
+}
+
+/// Not one gap for each axis.
+pub(super) fn gaps_per_axis(field: String, has: usize, needs: usize) -> Refusal {
+    let message = format!("{field} has {has} numbers for {needs} axes");
+    let refusal = Refusal::invalid(field, message);
+    Refusal { has: Some(has as f64), needs: Some(needs as f64), ..refusal }
+}
+
+/// A simple polygon, in the memory of `vertices`; [`Polygon::into_vertices`] gives it back.
+pub(super) fn polygon(
+    field: impl FnOnce() -> String,
+    points: &[message::Vector],
+    vertices: &mut Vec<Vector<2>>,
+) -> Result<Polygon, Refusal> {
+    let mut vertices = mem::take(vertices);
+    vertices.clear();
+    vertices.extend(points.iter().map(vector::<2>));
+    Polygon::new(vertices).map_err(|error| {
+        let field = field();
+        let message = format!("{field}: {error}");
+        Refusal::invalid(field, message)
+    })
+}
+
+/// A point of the scene's dimension.
+pub(super) fn vector<const D: usize>(point: &message::Vector) -> Vector<D> {
+    Vector::from_iterator(point.padded().into_iter().take(D))
+}
+
+/// A box with an interior.
+pub(super) fn axis_box<const D: usize>(
+    field: impl FnOnce() -> String,
+    axes: &Axes,
+    sides: &message::AxisBox,
+) -> Result<AxisBox<D>, Refusal> {
+    AxisBox::new(vector(&sides.min), vector(&sides.max))
+        .map_err(|error| refuse::axis_box(field(), axes, error))
+}
+
+/// The direction as planning counts coordinates.
+pub(super) fn direction<const D: usize>(
+    axes: &Axes,
+    direction: message::Direction,
+) -> Result<Direction, Refusal> {
+    use message::Direction::{MinusX, MinusY, MinusZ, PlusX, PlusY, PlusZ};
+    let (axis, sign) = match direction {
+        PlusX => (0, Sign::Positive),
+        MinusX => (0, Sign::Negative),
+        PlusY => (1, Sign::Positive),
+        MinusY => (1, Sign::Negative),
+        PlusZ => (2, Sign::Positive),
+        MinusZ => (2, Sign::Negative),
+    };
+    match axes[..D].iter().position(|candidate| *candidate == axis) {
+        Some(axis) => Ok(Direction { axis, sign }),
+        None => Err(Refusal::invalid("exit", "exit: scenes in two dimensions have axes x and z")),
+    }
+}
+
+/// The limits, with the documented defaults where none are given.
+pub(super) fn limits(limits: &message::Limits) -> Result<Limits, Refusal> {
+    let default = Limits::default();
+    Limits::new(
+        limits.speed.unwrap_or(default.speed()),
+        limits.acceleration.unwrap_or(default.acceleration()),
+        limits.yaw_rate.unwrap_or(default.yaw_rate()),
+        limits.yaw_acceleration.unwrap_or(default.yaw_acceleration()),
+        limits.lateral_acceleration.unwrap_or(default.lateral_acceleration()),
+    )
+    .map_err(refuse::limit)
+}
+
+/// The sampling, every 0.02 s where none is given.
+pub(super) fn sampling(sampling: Option<message::Sampling>) -> Result<Sampling, Refusal> {
+    match sampling.unwrap_or(message::Sampling::Period(0.02)) {
+        message::Sampling::Period(seconds) => Sampling::period(seconds),
+        message::Sampling::Spacing(metres) => Sampling::spacing(metres),
+        message::Sampling::Count(count) => Sampling::count(count),
+    }
+    .map_err(refuse::sampling)
+}

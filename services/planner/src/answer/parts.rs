@@ -1,0 +1,150 @@
+//! Replies, part by part, into shared memory or into a list.
+
+use std::convert::Infallible;
+
+use planning::clearance::Clearance;
+use planning::geometry::Vector;
+use planning::motion::{Curve, Leg, wrapped};
+use planning::trajectory::State;
+use schemas::convert::{self, CellWriter, PartSink, TrajectoryWriter};
+use schemas::message::{AxisBox, Refusal, Reply, ReplyAssembler, RequestKey};
+use schemas::wire::{self, ReplyHeader};
+
+/// A reply on its way: counts parts and answers.
+pub(super) struct Parts<'a, S> {
+    header: ReplyHeader,
+    sink: &'a mut S,
+}
+
+impl<'a, S: PartSink> Parts<'a, S> {
+    /// A reply with this many answers; 0 where the request as a whole is refused.
+    pub(super) fn new(key: RequestKey, id: Option<u64>, answers: u32, sink: &'a mut S) -> Self {
+        let header = ReplyHeader {
+            version: wire::VERSION,
+            dimension: 2,
+            client: key.client,
+            sequence: key.sequence,
+            id: id.unwrap_or(0),
+            has_id: id.is_some().into(),
+            answers,
+            ..ReplyHeader::default()
+        };
+        Self { header, sink }
+    }
+
+    /// The next answer is a refusal.
+    pub(super) fn refuse(&mut self, refusal: &Refusal, last: bool) -> Result<(), S::Error> {
+        convert::write_refusal(refusal, &mut self.header, last, self.sink)?;
+        self.header.answer += 1;
+        Ok(())
+    }
+
+    /// The next answer is a trajectory; `fill` sets the fields that all its parts share.
+    pub(super) fn trajectory(
+        &mut self,
+        fill: impl FnOnce(&mut ReplyHeader),
+        lists: TrajectoryWriter<
+            impl ExactSizeIterator<Item = f64>,
+            impl ExactSizeIterator<Item = u64>,
+            impl ExactSizeIterator<Item = AxisBox>,
+            impl ExactSizeIterator<Item = wire::Leg>,
+            impl ExactSizeIterator<Item = wire::Sample>,
+        >,
+        last: bool,
+    ) -> Result<(), S::Error> {
+        fill(&mut self.header);
+        lists.write(&mut self.header, last, self.sink)?;
+        self.header.answer += 1;
+        Ok(())
+    }
+}
+
+/// A leg as it lies in memory.
+pub(super) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
+    let mut cells = wire::Leg {
+        table: leg.rule.map_or(0, |rule| rule.table.into()),
+        number: leg.rule.map_or(0, |rule| rule.number.into()),
+        junction: leg.junction.map_or(u64::MAX, |junction| junction as u64),
+        length: leg.curve.length(),
+        clearance,
+        ..wire::Leg::default()
+    };
+    match &leg.curve {
+        Curve::Line { from, to, heading, turned } => {
+            cells.kind = 0;
+            (cells.point, cells.to) = (padded(from), padded(to));
+            (cells.heading, cells.sweep) = (*heading, *turned);
+        }
+        Curve::Arc { center, radius, start_angle, sweep } => {
+            cells.kind = 1;
+            cells.point = padded(center);
+            (cells.radius, cells.start, cells.sweep) = (*radius, *start_angle, *sweep);
+        }
+        Curve::Turn { position, from_heading, sweep } => {
+            cells.kind = 2;
+            cells.point = padded(position);
+            (cells.start, cells.sweep) = (*from_heading, *sweep);
+            cells.heading = wrapped(from_heading + sweep);
+        }
+    }
+    cells
+}
+
+/// A state of the motion as it lies in memory.
+#[inline]
+pub(super) fn sample<const D: usize>(state: &State<D>) -> wire::Sample {
+    wire::Sample {
+        t: state.time,
+        position: padded(&state.position),
+        heading: state.heading,
+        velocity: padded(&state.velocity),
+        yaw_rate: state.yaw_rate,
+    }
+}
+
+/// Sets the clearance of a trajectory; infinite where there are no walls.
+pub(super) fn clearance<const D: usize>(header: &mut ReplyHeader, near: Option<&Clearance<D>>) {
+    (header.clearance, header.clearance_at, header.wall) = match near {
+        Some(near) => (near.value, near.at, padded(&near.wall)),
+        None => (f64::INFINITY, 0.0, [0.0; 3]),
+    };
+}
+
+#[inline]
+fn padded<const D: usize>(vector: &Vector<D>) -> [f64; 3] {
+    let mut values = [0.0; 3];
+    values[..D].copy_from_slice(vector.as_slice());
+    values
+}
+
+/// Puts a reply together in this process.
+#[derive(Default)]
+pub(super) struct Collect {
+    assembler: ReplyAssembler,
+    cells: Vec<u64>,
+    reply: Option<Reply>,
+}
+
+impl PartSink for Collect {
+    type Error = Infallible;
+
+    fn part(
+        &mut self,
+        header: &ReplyHeader,
+        cells: usize,
+        fill: impl FnOnce(&mut CellWriter),
+    ) -> Result<(), Infallible> {
+        self.cells.clear();
+        self.cells.resize(cells, 0);
+        fill(&mut CellWriter::new(&mut self.cells));
+        let part = convert::read_part(header, &self.cells).expect("what was just written");
+        self.reply = self.assembler.push(part).expect("parts written in order");
+        Ok(())
+    }
+}
+
+impl Collect {
+    pub(super) fn reply(self) -> Reply {
+        self.reply.expect("every request has an answer, and the last part says so")
+    }
+}

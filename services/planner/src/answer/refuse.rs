@@ -1,0 +1,160 @@
+//! What planning refuses, in the words and numbers of a reply.
+
+use planning::clearance::Clearance;
+use planning::disassembly::DisassemblyError;
+use planning::free_space::ChainError;
+use planning::geometry::BoxError;
+use planning::trajectory::{LimitError, SamplingError};
+use schemas::message::{ErrorCode, Refusal};
+
+use super::MOST_SAMPLES;
+
+/// Which coordinate of a scene is which axis: 0 x, 1 y, 2 z.
+pub(super) type Axes = [u32; 3];
+
+/// Assembly in two dimensions lives in (x, z).
+pub(super) const PLANE: Axes = [0, 2, 1];
+/// Driving lives in (x, y), assembly in three dimensions in (x, y, z).
+pub(super) const SPACE: Axes = [0, 1, 2];
+
+fn letter(axes: &Axes, coordinate: usize) -> char {
+    ['x', 'y', 'z'][axes[coordinate] as usize]
+}
+
+pub(super) fn axis_box(field: String, axes: &Axes, error: BoxError) -> Refusal {
+    let message = match error {
+        BoxError::NotFinite { axis, min, max } => {
+            format!("{field}: {} is not finite: min {min}, max {max}", letter(axes, axis))
+        }
+        BoxError::Inverted { axis, min, max } => format!(
+            "{field}: {} is inverted or empty: min {min} must be less than max {max}",
+            letter(axes, axis)
+        ),
+    };
+    let (BoxError::NotFinite { axis, .. } | BoxError::Inverted { axis, .. }) = error;
+    Refusal { axis: Some(axes[axis]), ..Refusal::invalid(field, message) }
+}
+
+pub(super) fn chain(axes: &Axes, error: ChainError) -> Refusal {
+    match error {
+        ChainError::Empty => {
+            Refusal::invalid("free_space.channels", format!("free_space.channels: {error}"))
+        }
+        ChainError::Apart { first, second, axis, end, begin } => {
+            let message = format!(
+                "channels {first} and {second} do not overlap along {}: one ends at {end}, the \
+                 other begins at {begin}; consecutive channels must share a junction",
+                letter(axes, axis)
+            );
+            let refusal = Refusal::invalid(format!("free_space.channels[{second}]"), message);
+            Refusal {
+                junction: Some(first as u64),
+                axis: Some(axes[axis]),
+                has: Some(end),
+                needs: Some(begin),
+                ..refusal
+            }
+        }
+        ChainError::Parallel { first, second, axis } => {
+            let message = format!(
+                "channels {first} and {second} both run along {}; a junction turns from one axis \
+                 to another: join them into one channel",
+                letter(axes, axis)
+            );
+            let refusal = Refusal::invalid(format!("free_space.channels[{second}]"), message);
+            Refusal { junction: Some(first as u64), axis: Some(axes[axis]), ..refusal }
+        }
+    }
+}
+
+pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -> Refusal {
+    match error {
+        DisassemblyError::NoChannels => {
+            Refusal::invalid("free_space.channels", format!("free_space.channels: {error}"))
+        }
+        DisassemblyError::BodyOutside { axis, body, channel } => {
+            let message = format!(
+                "the body reaches {body} along {}, outside the first channel, which ends at {channel}",
+                letter(axes, axis)
+            );
+            Refusal {
+                axis: Some(axes[axis]),
+                needs: Some(body),
+                has: Some(channel),
+                ..Refusal::new(ErrorCode::BodyOutsideFreeSpace, message)
+            }
+        }
+        DisassemblyError::JunctionTooSmall { junction, axis, needs, has } => {
+            let message = format!(
+                "junction {junction} is {has} m wide along {}, the body needs more than {needs} m",
+                letter(axes, axis)
+            );
+            Refusal {
+                junction: Some(junction as u64),
+                axis: Some(axes[axis]),
+                needs: Some(needs),
+                has: Some(has),
+                ..Refusal::new(ErrorCode::JunctionTooSmall, message)
+            }
+        }
+        DisassemblyError::GapOutOfRange { junction, axis, gap, least, most } => {
+            let message = format!(
+                "a gap of {gap} m at junction {junction} along {} must be greater than {least} m \
+                 and less than {most} m",
+                letter(axes, axis)
+            );
+            Refusal {
+                field: Some(field),
+                junction: Some(junction as u64),
+                axis: Some(axes[axis]),
+                has: Some(gap),
+                least: Some(least),
+                most: Some(most),
+                ..Refusal::new(ErrorCode::GapOutOfRange, message)
+            }
+        }
+        DisassemblyError::WrongNumberOfGaps { has, needs } => Refusal {
+            has: Some(has as f64),
+            needs: Some(needs as f64),
+            ..Refusal::invalid(field, format!("{has} gaps are given for {needs} junctions"))
+        },
+        DisassemblyError::FractionOutOfRange { .. } => {
+            Refusal::new(ErrorCode::Internal, error.to_string())
+        }
+    }
+}
+
+pub(super) fn wall_in_the_way<const D: usize>(near: &Clearance<D>) -> Refusal {
+    let (at, wall) = (near.at, near.wall.as_slice());
+    let message = format!(
+        "the body touches a wall at {wall:?} after {at} m: it needs more than 0 m there and has 0 m"
+    );
+    let refusal = Refusal::new(ErrorCode::WallInTheWay, message);
+    Refusal { needs: Some(0.0), has: Some(near.value), ..refusal }
+}
+
+pub(super) fn limit(error: LimitError) -> Refusal {
+    let LimitError::OutOfRange { field, value, least, most } = error;
+    let refusal = Refusal::invalid(format!("limits.{field}"), format!("limits.{error}"));
+    Refusal { has: Some(value), least: Some(least), most: Some(most), ..refusal }
+}
+
+pub(super) fn sampling(error: SamplingError) -> Refusal {
+    let field = match error {
+        SamplingError::NotPositive { field, .. } => field,
+        SamplingError::TooFew { .. } => "count",
+    };
+    Refusal::invalid(format!("sampling.{field}"), format!("sampling.{error}"))
+}
+
+pub(super) fn too_many_samples(needs: u64) -> Refusal {
+    let message = format!(
+        "the trajectory would have {needs} samples, at most {MOST_SAMPLES} can be had; sample \
+         less densely"
+    );
+    Refusal {
+        needs: Some(needs as f64),
+        has: Some(MOST_SAMPLES as f64),
+        ..Refusal::new(ErrorCode::TooManySamples, message)
+    }
+}

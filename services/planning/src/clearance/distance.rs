@@ -1,0 +1,170 @@
+//! Exact distances between pairs of shapes, in the manner of parry's queries.
+
+use crate::geometry::Vector;
+
+/// Where a point that runs along a segment comes closest to a shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closest<const D: usize> {
+    /// The least distance, metres; 0 for contact and overlap.
+    pub distance: f64,
+    /// The first place on the segment that is so close, from 0 (its first end) to 1.
+    pub at: f64,
+    /// The point of the other shape that is so close.
+    pub point: Vector<D>,
+}
+
+/// Least distance between the segment from `from` to `to` and the box from `min`
+/// to `max`, which may be flat.
+///
+/// The squared distance is convex and piecewise quadratic along the segment; it
+/// changes its pieces where the segment passes the planes of the box's sides.
+pub fn distance_segment_box<const D: usize>(
+    (from, to): (&Vector<D>, &Vector<D>),
+    (min, max): (&Vector<D>, &Vector<D>),
+) -> Closest<D> {
+    let way = to - from;
+    // Between the sides along every axis on which it moves: nothing is nearer.
+    let (mut enter, mut exit) = (0.0_f64, 1.0_f64);
+    for axis in 0..D {
+        if way[axis] != 0.0 {
+            let a = (min[axis] - from[axis]) / way[axis];
+            let b = (max[axis] - from[axis]) / way[axis];
+            enter = enter.max(a.min(b));
+            exit = exit.min(a.max(b));
+        }
+    }
+    if enter <= exit {
+        let mut square = 0.0;
+        for axis in 0..D {
+            if way[axis] == 0.0 {
+                let excess = excess(from[axis], min[axis], max[axis]);
+                square += excess * excess;
+            }
+        }
+        let point = (from + way * enter).sup(min).inf(max);
+        return Closest { distance: square.sqrt(), at: enter, point };
+    }
+    // Otherwise the minimum is unique: where the slope changes its sign.
+    let slope = |at: f64, on: usize| {
+        let mut slope = 0.0;
+        for axis in 0..D {
+            // On the plane of a side of the box there is no excess but rounding.
+            if axis != on {
+                slope += way[axis] * excess(from[axis] + at * way[axis], min[axis], max[axis]);
+            }
+        }
+        slope
+    };
+    let (mut falling, mut rising) = ((0.0, slope(0.0, D)), (1.0, slope(1.0, D)));
+    let at = if falling.1 >= 0.0 {
+        0.0
+    } else if rising.1 <= 0.0 {
+        1.0
+    } else {
+        for axis in 0..D {
+            if way[axis] == 0.0 {
+                continue;
+            }
+            for side in [min[axis], max[axis]] {
+                let at = (side - from[axis]) / way[axis];
+                if falling.0 < at && at < rising.0 {
+                    let slope = slope(at, axis);
+                    if slope < 0.0 {
+                        falling = (at, slope);
+                    } else {
+                        rising = (at, slope);
+                    }
+                }
+            }
+        }
+        // Linear in between.
+        falling.0 + (rising.0 - falling.0) * (falling.1 / (falling.1 - rising.1))
+    };
+    let here = if at == 1.0 { *to } else { from + way * at };
+    let point = here.sup(min).inf(max);
+    Closest { distance: (here - point).norm(), at, point }
+}
+
+/// Least distance between the segment from `from` to `to` and another.
+pub fn distance_segment_segment(
+    (from, to): (&Vector<2>, &Vector<2>),
+    (a, b): (&Vector<2>, &Vector<2>),
+) -> Closest<2> {
+    if let Some(at) = crossing((from, to), (a, b)) {
+        return Closest { distance: 0.0, at, point: from + (to - from) * at };
+    }
+    // Apart, or touching: the least distance is at an end of one of them.
+    let ends = [
+        at_end(from, 0.0, (a, b)),
+        at_middle(a, (from, to)),
+        at_middle(b, (from, to)),
+        at_end(to, 1.0, (a, b)),
+    ];
+    let nearer = |x: Closest<2>, y: Closest<2>| {
+        if (y.distance, y.at) < (x.distance, x.at) { y } else { x }
+    };
+    nearer(nearer(ends[0], ends[1]), nearer(ends[2], ends[3]))
+}
+
+/// Whether two closed segments have a point in common.
+pub(crate) fn segments_meet(
+    (a, b): (&Vector<2>, &Vector<2>),
+    (c, d): (&Vector<2>, &Vector<2>),
+) -> bool {
+    let (ab, cd) = (b - a, d - c);
+    let (c_side, d_side) = (cross(&ab, &(c - a)), cross(&ab, &(d - a)));
+    let (a_side, b_side) = (cross(&cd, &(a - c)), cross(&cd, &(b - c)));
+    let between = |p: &Vector<2>, a: &Vector<2>, b: &Vector<2>| {
+        (0..2).all(|axis| a[axis].min(b[axis]) <= p[axis] && p[axis] <= a[axis].max(b[axis]))
+    };
+    let apart = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
+    (apart(c_side, d_side) && apart(a_side, b_side))
+        || (c_side == 0.0 && between(c, a, b))
+        || (d_side == 0.0 && between(d, a, b))
+        || (a_side == 0.0 && between(a, c, d))
+        || (b_side == 0.0 && between(b, c, d))
+}
+
+/// The third component of the cross product.
+pub(crate) fn cross(a: &Vector<2>, b: &Vector<2>) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// How far `value` is beyond the interval, signed; 0 inside.
+fn excess(value: f64, min: f64, max: f64) -> f64 {
+    value - value.max(min).min(max)
+}
+
+/// Where on the first segment the interiors of two segments cross.
+fn crossing((from, to): (&Vector<2>, &Vector<2>), (a, b): (&Vector<2>, &Vector<2>)) -> Option<f64> {
+    let (way, wall) = (to - from, b - a);
+    let (before, after) = (cross(&wall, &(from - a)), cross(&wall, &(to - a)));
+    let (left, right) = (cross(&way, &(a - from)), cross(&way, &(b - from)));
+    let apart = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
+    (apart(before, after) && apart(left, right)).then(|| before / (before - after))
+}
+
+/// The place on the segment from `a` to `b` nearest to `point`, from 0 to 1.
+fn nearest_place(point: &Vector<2>, (a, b): (&Vector<2>, &Vector<2>)) -> f64 {
+    let way = b - a;
+    let square = way.norm_squared();
+    if square > 0.0 { ((point - a).dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// The point at `place` on the segment, exact at its ends.
+fn point_at(place: f64, (a, b): (&Vector<2>, &Vector<2>)) -> Vector<2> {
+    if place == 1.0 { *b } else { a + (b - a) * place }
+}
+
+fn at_end(end: &Vector<2>, at: f64, other: (&Vector<2>, &Vector<2>)) -> Closest<2> {
+    let point = point_at(nearest_place(end, other), other);
+    Closest { distance: (end - point).norm(), at, point }
+}
+
+fn at_middle(point: &Vector<2>, way: (&Vector<2>, &Vector<2>)) -> Closest<2> {
+    let at = nearest_place(point, way);
+    Closest { distance: (point - point_at(at, way)).norm(), at, point: *point }
+}
+
+#[cfg(test)]
+mod tests;

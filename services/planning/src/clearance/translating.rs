@@ -1,0 +1,252 @@
+//! Exact clearance of a body that moves without turning.
+//!
+//! No sampling. A box against an axis-parallel wall is a point that runs along a
+//! segment against their Minkowski sum. Otherwise two outlines that translate
+//! come closest where a vertex of one meets an edge of the other: a finite set
+//! of pairs of segments.
+
+use super::Clearance;
+use super::distance::{distance_segment_box, distance_segment_segment};
+use super::walls::{Wall, Walls, planar};
+use crate::geometry::box_tree::distance_squared_box_box;
+use crate::geometry::polygon::{self, Polygon};
+use crate::geometry::{AxisBox, Vector};
+use crate::motion::{Curve, Leg};
+
+/// The moving body in its assembled state.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<'a, const D: usize> {
+    bounds: AxisBox<D>,
+    /// Empty: the body fills its bounds.
+    outline: &'a [Vector<2>],
+}
+
+impl<const D: usize> Body<'_, D> {
+    /// A box.
+    pub fn from_box(body: &AxisBox<D>) -> Self {
+        Self { bounds: *body, outline: &[] }
+    }
+
+    /// The smallest box around it.
+    pub fn bounds(&self) -> &AxisBox<D> {
+        &self.bounds
+    }
+
+    /// A point on its boundary.
+    fn point(&self) -> Vector<D> {
+        let mut point = self.bounds.min();
+        if let Some(vertex) = self.outline.first() {
+            (point[0], point[1]) = (vertex[0], vertex[1]);
+        }
+        point
+    }
+
+    /// Its corners in the plane, where it fills its bounds.
+    fn corners(&self) -> [Vector<2>; 4] {
+        let (min, max) = (planar(&self.bounds.min()), planar(&self.bounds.max()));
+        [min, Vector::from([max[0], min[1]]), max, Vector::from([min[0], max[1]])]
+    }
+}
+
+impl<'a> Body<'a, 2> {
+    /// A polygon, convex or not. An axis-parallel rectangle is taken as a box.
+    pub fn from_polygon(body: &'a Polygon) -> Self {
+        let outline = if body.is_axis_box() { &[][..] } else { body.vertices() };
+        Self { bounds: *body.bounds(), outline }
+    }
+}
+
+/// The exact clearance of `body` moving along `legs` (lines; others are passed
+/// over), displaced from where it is given. `each` receives the clearance of
+/// every leg, the result is that of the whole motion; `None` if there are no
+/// walls or no legs.
+///
+/// Contact and overlap give 0, met first at the first contact; so does a body
+/// that starts inside of a solid, or around one. Where several places are
+/// equally close, within rounding (some 1e-14 of the coordinates), the one met
+/// first is named, and of those met together that of the first wall.
+pub fn translating_clearance<const D: usize>(
+    body: &Body<'_, D>,
+    walls: &Walls<D>,
+    legs: &[Leg<D>],
+    each: &mut Vec<Clearance<D>>,
+) -> Option<Clearance<D>> {
+    each.clear();
+    let mut whole: Option<Nearest<D>> = None;
+    let mut travelled = 0.0;
+    for leg in legs {
+        let Curve::Line { from, to, .. } = &leg.curve else { continue };
+        let mut nearest = leg_clearance(body, walls, from, to);
+        if each.is_empty() && (nearest.value, nearest.at) != (0.0, 0.0) {
+            // Touching no wall at the start, it is inside of a solid with every point or none.
+            if let Some(wall) = walls.solid_around(&(body.point() + from)) {
+                let point = walls.as_slice()[wall].from;
+                nearest = Nearest { value: 0.0, at: 0.0, wall, point, ..nearest };
+            }
+        }
+        if nearest.value == f64::INFINITY {
+            return None;
+        }
+        let length = leg.curve.length();
+        nearest.at = travelled + nearest.at * length;
+        travelled += length;
+        each.push(nearest.clearance());
+        match &mut whole {
+            Some(whole) => {
+                whole.rounding = whole.rounding.max(nearest.rounding);
+                whole.take(nearest.value, nearest.at, nearest.wall, nearest.point);
+            }
+            None => whole = Some(nearest),
+        }
+    }
+    whole.map(|whole| whole.clearance())
+}
+
+/// The closest place so far.
+#[derive(Debug, Clone, Copy)]
+struct Nearest<const D: usize> {
+    value: f64,
+    /// Where on the leg, from 0 to 1; over the whole motion the arc length.
+    at: f64,
+    wall: usize,
+    point: Vector<D>,
+    /// Distances that differ by no more count as equal, metres.
+    rounding: f64,
+}
+
+impl<const D: usize> Nearest<D> {
+    fn take(&mut self, value: f64, at: f64, wall: usize, point: Vector<D>) {
+        let first = (at, wall) < (self.at, self.wall);
+        if value < self.value - self.rounding || (value <= self.value + self.rounding && first) {
+            (self.at, self.wall, self.point) = (at, wall, point);
+        }
+        self.value = self.value.min(value);
+    }
+
+    /// What is farther away can be left out.
+    fn reach(&self) -> f64 {
+        self.value + self.rounding
+    }
+
+    fn clearance(&self) -> Clearance<D> {
+        Clearance { value: self.value, at: self.at, wall: self.point }
+    }
+}
+
+fn leg_clearance<const D: usize>(
+    body: &Body<'_, D>,
+    walls: &Walls<D>,
+    from: &Vector<D>,
+    to: &Vector<D>,
+) -> Nearest<D> {
+    let (least, greatest) = (from.inf(to), from.sup(to));
+    let (min, max) = (body.bounds.min() + least, body.bounds.max() + greatest);
+    let rounding = 16.0 * f64::EPSILON * min.amax().max(max.amax());
+    let nowhere = Vector::zeros();
+    let mut nearest =
+        Nearest { value: f64::INFINITY, at: f64::INFINITY, wall: 0, point: nowhere, rounding };
+    walls.nearest(&min, &max, |index, wall| {
+        let (low, high) = wall.bounds();
+        // Minkowski sum of the wall and the reflected body, and a bound by boxes.
+        let (low, high) = (low - body.bounds.max(), high - body.bounds.min());
+        let apart = distance_squared_box_box((&low, &high), (&least, &greatest));
+        // Slightly short, since it must not lie above the distance by rounding.
+        if apart * (1.0 - 1e-12) <= nearest.reach() * nearest.reach() {
+            if body.outline.is_empty() && (D != 2 || wall.is_axis_parallel()) {
+                let closest = distance_segment_box((from, to), (&low, &high));
+                if closest.distance <= nearest.reach() {
+                    let point = contact(body, wall, &(from + (to - from) * closest.at));
+                    nearest.take(closest.distance, closest.at, index, point);
+                }
+            } else {
+                let corners = body.corners();
+                let outline = if body.outline.is_empty() { &corners } else { body.outline };
+                // Overlap at the beginning need not bring any vertex near an edge.
+                let touching =
+                    (0..D).all(|axis| low[axis] <= from[axis] && from[axis] <= high[axis]);
+                if touching && let Some(point) = overlap(outline, wall, from) {
+                    nearest.take(0.0, 0.0, index, point);
+                }
+                outline_clearance(outline, (index, wall), (from, to), &mut nearest);
+            }
+        }
+        nearest.reach()
+    });
+    nearest
+}
+
+/// The point of an axis-parallel wall nearest to the displaced box: along every
+/// axis the side that faces it, or the middle of what lies opposite.
+fn contact<const D: usize>(
+    body: &Body<'_, D>,
+    wall: &Wall<D>,
+    displacement: &Vector<D>,
+) -> Vector<D> {
+    let (min, max) = wall.bounds();
+    let near = (body.bounds.min() + displacement).sup(&min).inf(&max);
+    let far = (body.bounds.max() + displacement).inf(&max).sup(&min);
+    (near + far) / 2.0
+}
+
+/// One wall in the plane against an outline: every vertex of either runs along
+/// a segment, relative to the other.
+fn outline_clearance<const D: usize>(
+    outline: &[Vector<2>],
+    (index, wall): (usize, &Wall<D>),
+    (from, to): (&Vector<D>, &Vector<D>),
+    nearest: &mut Nearest<D>,
+) {
+    let (from, to) = (planar(from), planar(to));
+    let (a, b) = (planar(&wall.from), planar(&wall.to));
+    let (least, greatest) = (from.inf(&to), from.sup(&to));
+    let (low, high) = (a.inf(&b), a.sup(&b));
+    type Segment<'a> = (&'a Vector<2>, &'a Vector<2>);
+    let mut take = |way: Segment<'_>, edge: Segment<'_>, end: Option<&Vector<2>>| {
+        let closest = distance_segment_segment(way, edge);
+        let point = spatial(end.unwrap_or(&closest.point));
+        nearest.take(closest.distance, closest.at, index, point);
+        nearest.reach()
+    };
+    // The first candidate is taken, the others only if they may be nearer.
+    let mut reach = f64::INFINITY;
+    for (vertex, next) in polygon::edges(outline) {
+        let swept = (&(vertex + least), &(vertex + greatest));
+        if distance_squared_box_box(swept, (&low, &high)) <= reach * reach {
+            reach = take((&(vertex + from), &(vertex + to)), (&a, &b), None);
+        }
+        let edge = (&vertex.inf(&next), &vertex.sup(&next));
+        for end in [&a, &b] {
+            let swept = (&(end - greatest), &(end - least));
+            if distance_squared_box_box(swept, edge) <= reach * reach {
+                reach = take((&(end - from), &(end - to)), (&vertex, &next), Some(end));
+            }
+        }
+    }
+}
+
+/// A point of the wall in the closed region of the displaced outline.
+fn overlap<const D: usize>(
+    outline: &[Vector<2>],
+    wall: &Wall<D>,
+    displacement: &Vector<D>,
+) -> Option<Vector<D>> {
+    let displacement = planar(displacement);
+    let (a, b) = (planar(&wall.from) - displacement, planar(&wall.to) - displacement);
+    if polygon::contains(polygon::edges(outline), &a) {
+        return Some(wall.from);
+    }
+    polygon::edges(outline).find_map(|(vertex, next)| {
+        let closest = distance_segment_segment((&a, &b), (&vertex, &next));
+        (closest.distance == 0.0).then(|| spatial(&(closest.point + displacement)))
+    })
+}
+
+/// The point of the plane among `D` coordinates.
+fn spatial<const D: usize>(point: &Vector<2>) -> Vector<D> {
+    let mut spatial = Vector::zeros();
+    (spatial[0], spatial[1]) = (point[0], point[1]);
+    spatial
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,71 @@
+//! Table 1, corrected.
+
+use crate::geometry::{Direction, Sign};
+use crate::motion::Rule;
+
+/// Which side of the junction the body keeps its gap to, along one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Margin {
+    /// `min M = min J + gap`.
+    Least,
+    /// `max M = max J - gap`.
+    Greatest,
+}
+
+impl Margin {
+    const LEFT: Self = Self::Least;
+    const RIGHT: Self = Self::Greatest;
+    const DOWN: Self = Self::Least;
+    const UP: Self = Self::Greatest;
+}
+
+/// What a rule says, with the coordinates of its plane filled in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Turn {
+    pub(super) rule: Rule,
+    /// The horizontal coordinate of the plane, and the margin on it.
+    pub(super) horizontal: (usize, Margin),
+    /// The vertical coordinate of the plane, and the margin on it.
+    pub(super) vertical: (usize, Margin),
+}
+
+const LEFT: Sign = Sign::Negative;
+const RIGHT: Sign = Sign::Positive;
+const DOWN: Sign = Sign::Negative;
+const UP: Sign = Sign::Positive;
+
+/// The rule for passing a junction between two channels along different axes.
+///
+/// In two dimensions the plane is (x, z). In three the rules 1-8 are those in
+/// (x, z), 9-16 the same in (y, z), 17-24 the same in (x, y).
+pub(super) fn turn_in<const D: usize>(approach: Direction, leaving: Direction) -> Turn {
+    let horizontal = approach.axis.min(leaving.axis);
+    let vertical = approach.axis.max(leaving.axis);
+    // Rules 1-4 are the paper's, with the second condition of 3 and 4 on x;
+    // 5-8 are for motion in the negative z-direction, which (3.2) excludes.
+    let (number, left_or_right, down_or_up) = if approach.axis == vertical {
+        match (approach.sign, leaving.sign) {
+            (UP, LEFT) => (1, Margin::LEFT, Margin::DOWN),
+            (UP, RIGHT) => (2, Margin::RIGHT, Margin::DOWN),
+            (DOWN, LEFT) => (5, Margin::LEFT, Margin::UP),
+            (DOWN, RIGHT) => (6, Margin::RIGHT, Margin::UP),
+        }
+    } else {
+        match (approach.sign, leaving.sign) {
+            (LEFT, UP) => (3, Margin::RIGHT, Margin::UP),
+            (RIGHT, UP) => (4, Margin::LEFT, Margin::UP),
+            (LEFT, DOWN) => (7, Margin::RIGHT, Margin::DOWN),
+            (RIGHT, DOWN) => (8, Margin::LEFT, Margin::DOWN),
+        }
+    };
+    let plane = match (D, horizontal, vertical) {
+        (3, 1, 2) => 1,
+        (3, 0, 1) => 2,
+        _ => 0,
+    };
+    Turn {
+        rule: Rule { table: 1, number: plane * 8 + number },
+        horizontal: (horizontal, left_or_right),
+        vertical: (vertical, down_or_up),
+    }
+}

@@ -1,0 +1,256 @@
+//! Simple polygons.
+
+use super::box_tree::BoxTree;
+use super::{AxisBox, Vector};
+use crate::clearance::distance::{cross, segments_meet};
+use thiserror::Error;
+
+/// Below this many edges every pair is looked at, without an index.
+const FEW: usize = 64;
+
+/// Pairs of edges whose bounding boxes meet that are looked at before giving up.
+pub const MOST_PAIRS: usize = 1 << 26;
+
+/// A polygon whose boundary neither crosses nor touches itself, convex or not,
+/// run through either way. Metres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polygon {
+    vertices: Vec<Vector<2>>,
+    bounds: AxisBox<2>,
+}
+
+/// Why vertices do not make a [`Polygon`]. Edge `i` runs from vertex `i` to the
+/// next one, the last edge back to vertex 0.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PolygonError {
+    /// Fewer than three vertices.
+    #[error("the polygon has {has} vertices, at least {needs} are needed")]
+    TooFewVertices {
+        /// How many there are.
+        has: usize,
+        /// How many are needed.
+        needs: usize,
+    },
+    /// A coordinate is not a finite number.
+    #[error("vertex {vertex} of the polygon is not finite: ({x}, {y})")]
+    NotFinite {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Its first coordinate.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+    },
+    /// All vertices have one coordinate in common.
+    #[error("the polygon has no area: all {vertices} vertices have coordinate {axis} = {value}")]
+    Flat {
+        /// How many vertices there are.
+        vertices: usize,
+        /// The coordinate.
+        axis: usize,
+        /// Its value, metres.
+        value: f64,
+    },
+    /// Two vertices are the same point.
+    #[error("vertices {first} and {second} of the polygon are the same point ({x}, {y})")]
+    Repeated {
+        /// Index of the earlier vertex.
+        first: usize,
+        /// Index of the later vertex.
+        second: usize,
+        /// First coordinate of both, metres.
+        x: f64,
+        /// Second coordinate of both, metres.
+        y: f64,
+    },
+    /// Two edges cross, overlap, or touch elsewhere than at a common vertex.
+    #[error(
+        "edges {first} and {second} of the polygon cross: ({}, {}) to ({}, {}) and ({}, {}) to ({}, {})",
+        first_edge[0][0], first_edge[0][1], first_edge[1][0], first_edge[1][1],
+        second_edge[0][0], second_edge[0][1], second_edge[1][0], second_edge[1][1]
+    )]
+    Crossing {
+        /// Index of the earlier edge.
+        first: usize,
+        /// Index of the later edge.
+        second: usize,
+        /// Ends of the earlier edge, metres.
+        first_edge: [Vector<2>; 2],
+        /// Ends of the later edge, metres.
+        second_edge: [Vector<2>; 2],
+    },
+    /// Too many edges lie across each other's bounding boxes to be checked in
+    /// bounded time.
+    #[error(
+        "the polygon with {vertices} vertices is too intricate: more than {most} pairs of edges lie close together"
+    )]
+    TooIntricate {
+        /// How many vertices there are.
+        vertices: usize,
+        /// How many pairs are looked at ([`MOST_PAIRS`]).
+        most: usize,
+    },
+}
+
+impl Polygon {
+    /// The polygon with these vertices, in order, the last joined to the first.
+    /// Allocates only for more than 64 vertices.
+    pub fn new(vertices: Vec<Vector<2>>) -> Result<Self, PolygonError> {
+        let bounds = check(&vertices)?;
+        Ok(Self { vertices, bounds })
+    }
+
+    /// The vertices, in order, metres.
+    pub fn vertices(&self) -> &[Vector<2>] {
+        &self.vertices
+    }
+
+    /// Gives back the memory of the vertices.
+    pub fn into_vertices(self) -> Vec<Vector<2>> {
+        self.vertices
+    }
+
+    /// The smallest axis-parallel box around it.
+    pub fn bounds(&self) -> &AxisBox<2> {
+        &self.bounds
+    }
+
+    /// Whether `point` is in its interior. Points on the boundary are decided
+    /// either way.
+    pub fn contains(&self, point: &Vector<2>) -> bool {
+        contains(edges(&self.vertices), point)
+    }
+
+    /// Whether it is an axis-parallel rectangle (and so the same as its bounds).
+    pub fn is_axis_box(&self) -> bool {
+        let (min, max) = (self.bounds.min(), self.bounds.max());
+        let on_corner = |v: &Vector<2>| (0..2).all(|i| v[i] == min[i] || v[i] == max[i]);
+        // Four different corners in an order that does not cross itself.
+        self.vertices.len() == 4 && self.vertices.iter().all(on_corner)
+    }
+}
+
+/// The edges of a closed polygon, in order.
+pub(crate) fn edges(vertices: &[Vector<2>]) -> impl Iterator<Item = (Vector<2>, Vector<2>)> {
+    let next = vertices.iter().cycle().skip(1);
+    vertices.iter().zip(next).map(|(a, b)| (*a, *b))
+}
+
+/// Whether `point` is inside of the closed outline that `edges` make: whether a
+/// ray towards greater first coordinates crosses it an odd number of times.
+pub(crate) fn contains(
+    edges: impl Iterator<Item = (Vector<2>, Vector<2>)>,
+    point: &Vector<2>,
+) -> bool {
+    let mut inside = false;
+    for (a, b) in edges {
+        if (a[1] > point[1]) != (b[1] > point[1]) {
+            let left = cross(&(b - a), &(point - a)) > 0.0;
+            inside ^= left == (b[1] > a[1]);
+        }
+    }
+    inside
+}
+
+fn check(vertices: &[Vector<2>]) -> Result<AxisBox<2>, PolygonError> {
+    let count = vertices.len();
+    if count < 3 {
+        return Err(PolygonError::TooFewVertices { has: count, needs: 3 });
+    }
+    let (mut min, mut max) = (vertices[0], vertices[0]);
+    for (index, vertex) in vertices.iter().enumerate() {
+        let (x, y) = (vertex[0], vertex[1]);
+        if !(x.is_finite() && y.is_finite()) {
+            return Err(PolygonError::NotFinite { vertex: index, x, y });
+        }
+        (min, max) = (min.inf(vertex), max.sup(vertex));
+    }
+    for axis in 0..2 {
+        if min[axis] == max[axis] {
+            let value = min[axis];
+            return Err(PolygonError::Flat { vertices: count, axis, value });
+        }
+    }
+    if count <= FEW {
+        for first in 0..count {
+            for second in first + 1..count {
+                check_pair(vertices, first, second)?;
+            }
+        }
+    } else {
+        check_indexed(vertices)?;
+    }
+    // Extents are positive, so this does not fail.
+    AxisBox::new(min, max).map_err(|_| PolygonError::Flat {
+        vertices: count,
+        axis: 0,
+        value: min[0],
+    })
+}
+
+/// Looks only at pairs whose bounding boxes meet; finds the least pair.
+fn check_indexed(vertices: &[Vector<2>]) -> Result<(), PolygonError> {
+    let count = vertices.len();
+    let bounds = |index: usize| {
+        let (a, b) = edge(vertices, index);
+        (a.inf(&b), a.sup(&b))
+    };
+    let mut tree = BoxTree::default();
+    tree.build(count, bounds);
+    let mut pairs = 0;
+    for first in 0..count {
+        let (min, max) = bounds(first);
+        let mut wrong: Option<usize> = None;
+        tree.visit(&min, &max, 0.0, |second| {
+            pairs += 1;
+            let earlier = wrong.is_none_or(|least| second < least);
+            if second > first && earlier && check_pair(vertices, first, second).is_err() {
+                wrong = Some(second);
+            }
+            if pairs > MOST_PAIRS { -1.0 } else { 0.0 }
+        });
+        if let Some(second) = wrong {
+            check_pair(vertices, first, second)?;
+        }
+        if pairs > MOST_PAIRS {
+            return Err(PolygonError::TooIntricate { vertices: count, most: MOST_PAIRS });
+        }
+    }
+    Ok(())
+}
+
+fn edge(vertices: &[Vector<2>], index: usize) -> (Vector<2>, Vector<2>) {
+    let next = if index + 1 == vertices.len() { 0 } else { index + 1 };
+    (vertices[index], vertices[next])
+}
+
+/// Checks two different edges, the first one being the earlier.
+fn check_pair(vertices: &[Vector<2>], first: usize, second: usize) -> Result<(), PolygonError> {
+    let ((a, b), (c, d)) = (edge(vertices, first), edge(vertices, second));
+    let count = vertices.len();
+    let after = |index: usize| if index + 1 == count { 0 } else { index + 1 };
+    let (i, j, k, l) = (first, after(first), second, after(second));
+    for (one, other) in [(i, k), (i, l), (j, k), (j, l)] {
+        if one != other && vertices[one] == vertices[other] {
+            let (first, second) = (one.min(other), one.max(other));
+            let (x, y) = (vertices[one][0], vertices[one][1]);
+            return Err(PolygonError::Repeated { first, second, x, y });
+        }
+    }
+    // Neighbours share one vertex; their other ends must not lie on each other.
+    let crossing = if j == k || l == i {
+        let (before, shared, after) = if j == k { (a, b, d) } else { (c, a, b) };
+        let (back, on) = (before - shared, after - shared);
+        cross(&back, &on) == 0.0 && back.dot(&on) > 0.0
+    } else {
+        segments_meet((&a, &b), (&c, &d))
+    };
+    if crossing {
+        let (first_edge, second_edge) = ([a, b], [c, d]);
+        return Err(PolygonError::Crossing { first, second, first_edge, second_edge });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

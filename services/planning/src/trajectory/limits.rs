@@ -1,0 +1,137 @@
+//! What a body may do.
+
+use thiserror::Error;
+
+/// The least value that any limit may have, in its own SI unit.
+const LEAST: f64 = 1e-9;
+/// The greatest value that any limit may have: with it no square overflows.
+const MOST: f64 = 1e12;
+
+/// Bounds on a body's motion, each a number from 1e-9 to 1e12 in SI units.
+///
+/// In assembly tasks only `speed` and `acceleration` matter. [`Default`]:
+/// 1 m/s, 0.5 m/s2, 1 rad/s, 1 rad/s2, 0.5 m/s2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    speed: f64,
+    acceleration: f64,
+    yaw_rate: f64,
+    yaw_acceleration: f64,
+    lateral_acceleration: f64,
+}
+
+/// Why numbers do not make [`Limits`].
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum LimitError {
+    /// A limit is not finite, not positive, or beyond what any machine does.
+    #[error("{field} must be a number from {least:e} to {most:e}, not {value}")]
+    OutOfRange {
+        /// Name of the limit, as in a request.
+        field: &'static str,
+        /// The number given.
+        value: f64,
+        /// The least number that will do.
+        least: f64,
+        /// The greatest number that will do.
+        most: f64,
+    },
+}
+
+impl Limits {
+    /// Limits on speed (m/s), tangential acceleration (m/s2), yaw rate (rad/s),
+    /// yaw acceleration in turns in place (rad/s2) and lateral acceleration (m/s2).
+    pub fn new(
+        speed: f64,
+        acceleration: f64,
+        yaw_rate: f64,
+        yaw_acceleration: f64,
+        lateral_acceleration: f64,
+    ) -> Result<Self, LimitError> {
+        for (field, value) in [
+            ("speed", speed),
+            ("acceleration", acceleration),
+            ("yaw_rate", yaw_rate),
+            ("yaw_acceleration", yaw_acceleration),
+            ("lateral_acceleration", lateral_acceleration),
+        ] {
+            // A NaN lies in no range.
+            if !(LEAST..=MOST).contains(&value) {
+                return Err(LimitError::OutOfRange { field, value, least: LEAST, most: MOST });
+            }
+        }
+        Ok(Self { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration })
+    }
+
+    /// Greatest speed of the reference point, m/s.
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Greatest change of speed along the path, m/s2.
+    pub fn acceleration(&self) -> f64 {
+        self.acceleration
+    }
+
+    /// Greatest rate of turning, rad/s.
+    pub fn yaw_rate(&self) -> f64 {
+        self.yaw_rate
+    }
+
+    /// Greatest change of the yaw rate in a turn in place, rad/s2.
+    pub fn yaw_acceleration(&self) -> f64 {
+        self.yaw_acceleration
+    }
+
+    /// Greatest acceleration across the path on arcs, m/s2.
+    pub fn lateral_acceleration(&self) -> f64 {
+        self.lateral_acceleration
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            speed: 1.0,
+            acceleration: 0.5,
+            yaw_rate: 1.0,
+            yaw_acceleration: 1.0,
+            lateral_acceleration: 0.5,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn default_limits_are_admissible() {
+        let Limits { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration } =
+            Limits::default();
+        let checked =
+            Limits::new(speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration);
+        assert_eq!(checked, Ok(Limits::default()));
+    }
+
+    #[test]
+    fn every_limit_is_checked_by_name() {
+        let fields =
+            ["speed", "acceleration", "yaw_rate", "yaw_acceleration", "lateral_acceleration"];
+        for (index, name) in fields.into_iter().enumerate() {
+            for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-10, 1e13] {
+                let mut numbers = [1.0; 5];
+                numbers[index] = bad;
+                let [a, b, c, d, e] = numbers;
+                let LimitError::OutOfRange { field, value, .. } =
+                    Limits::new(a, b, c, d, e).unwrap_err();
+                assert_eq!((field, value.to_bits()), (name, bad.to_bits()));
+            }
+        }
+    }
+
+    #[test]
+    fn message_names_field_and_numbers() {
+        let error = Limits::new(1.0, -0.5, 1.0, 1.0, 1.0).unwrap_err();
+        assert_eq!(error.to_string(), "acceleration must be a number from 1e-9 to 1e12, not -0.5");
+    }
+}

@@ -1,0 +1,314 @@
+//! The speed profile over the legs: when the body is where.
+
+use super::limits::Limits;
+use super::sampler::Sampler;
+use super::sampling::{Grid, Sampling};
+use super::track::{end_heading, start_heading};
+use crate::motion::wrapped;
+use crate::motion::{Curve, Leg};
+
+/// Below this many metres (radians) a leg has no length (turns by nothing); no
+/// square of anything derived from more can underflow.
+const NOTHING: f64 = 1e-100;
+
+/// Headings of two legs that differ by more than this, radians, do not run into
+/// each other.
+const SAME_HEADING: f64 = 1e-9;
+
+/// Where a body comes to rest between its first and its last state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stops {
+    /// At the end of every leg: a polyline has no tangent at its way-points (assembly).
+    EveryLeg,
+    /// Around turns in place, wherever the headings of two legs differ by more
+    /// than 1e-9 rad, and before a line that turns on the way, as that sets out
+    /// across its heading (driving). Elsewhere it runs through: headings are
+    /// taken to be tangent to the path.
+    AtTurns,
+}
+
+/// When a body is where along its legs: the fastest motion from rest to rest
+/// under [`Limits`]. Holds its buffers for reuse.
+///
+/// Lengths of legs must be finite.
+#[derive(Debug, Clone, Default)]
+pub struct Profile {
+    bounds: Vec<Bound>,
+    phases: Vec<Phase>,
+    leg_ends: Vec<f64>,
+    duration: f64,
+    length: f64,
+    fastest: f64,
+    fastest_turn: f64,
+}
+
+/// What bounds the speed on a leg: a line, an arc or a turn, that moves at all.
+#[derive(Debug, Clone, Copy)]
+struct Bound {
+    leg: usize,
+    in_place: bool,
+    length: f64,
+    acceleration: f64,
+    /// Square of the greatest speed on the leg.
+    most: f64,
+    /// Square of the speed at the leg's start.
+    entry: f64,
+}
+
+/// The motion on one leg that takes time: speed rises at `acceleration` from
+/// `entry` to `peak`, stays, and falls to `exit`. Seconds; metres, or radians
+/// for a turn in place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Phase {
+    pub(super) leg: usize,
+    pub(super) in_place: bool,
+    /// Time at its start and at its end, seconds.
+    pub(super) start: f64,
+    pub(super) end: f64,
+    /// Arc length of the whole path at its start and at its end, metres.
+    pub(super) offset: f64,
+    pub(super) end_offset: f64,
+    pub(super) length: f64,
+    pub(super) acceleration: f64,
+    pub(super) entry: f64,
+    pub(super) peak: f64,
+    pub(super) exit: f64,
+    /// How far and how long the speed rises.
+    pub(super) rise: f64,
+    pub(super) rise_time: f64,
+    /// How far and how long the speed falls.
+    pub(super) fall: f64,
+    pub(super) fall_time: f64,
+}
+
+impl Profile {
+    /// Plans the motion along `legs`, each beginning where the last one ended.
+    ///
+    /// Legs without length (and turns by nothing) are skipped; a leg without
+    /// length that turns all the same is a turn in place.
+    pub fn plan<const D: usize>(&mut self, legs: &[Leg<D>], limits: &Limits, stops: Stops) {
+        self.bound_forward(legs, limits, stops);
+        self.bound_backward();
+        self.time(legs.len());
+    }
+
+    /// Duration of the whole motion, seconds.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Arc length of the whole path, metres.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// When leg number `leg` begins and ends, seconds.
+    ///
+    /// # Panics
+    /// When there is no such leg.
+    pub fn leg_times(&self, leg: usize) -> (f64, f64) {
+        let start = if leg == 0 { 0.0 } else { self.leg_ends[leg - 1] };
+        (start, self.leg_ends[leg])
+    }
+
+    /// How many states [`Profile::samples`] will give; its cost depends on the
+    /// number of legs only, so a caller can refuse too many before making any.
+    pub fn sample_count(&self, sampling: Sampling) -> u64 {
+        if self.leg_ends.is_empty() {
+            return 0;
+        }
+        let grid = Grid::new(sampling, self);
+        // Never more than 2^50 states a measure, so the sum is exact.
+        let between: u64 = self.phases.iter().map(|phase| grid.inside(phase).count()).sum();
+        between + self.phases.len() as u64 + 1
+    }
+
+    /// The states of the motion along `legs`, the ones it was planned for.
+    /// [`Iterator::for_each`] and other folds run a few times faster than a `for` loop.
+    ///
+    /// # Panics
+    /// The iterator may panic when `legs` are not the ones planned.
+    pub fn samples<'a, const D: usize>(
+        &'a self,
+        legs: &'a [Leg<D>],
+        sampling: Sampling,
+    ) -> Sampler<'a, D> {
+        Sampler::new(self, legs, sampling)
+    }
+
+    pub(super) fn phases(&self) -> &[Phase] {
+        &self.phases
+    }
+
+    /// Greatest speed that is reached along the path, m/s.
+    pub(super) fn fastest(&self) -> f64 {
+        self.fastest
+    }
+
+    /// Greatest yaw rate that is reached in turns in place, rad/s.
+    pub(super) fn fastest_turn(&self) -> f64 {
+        self.fastest_turn
+    }
+
+    /// Bounds every leg by its limits and its start by what can be reached from
+    /// behind: `v_out^2 <= v_in^2 + 2 a l`. Squares, because they add up exactly
+    /// as lengths do.
+    fn bound_forward<const D: usize>(&mut self, legs: &[Leg<D>], limits: &Limits, stops: Stops) {
+        self.bounds.clear();
+        for (leg, Leg { curve, .. }) in legs.iter().enumerate() {
+            let Some(mut bound) = bound(curve, limits) else { continue };
+            bound.leg = leg;
+            if let (Some(last), Stops::AtTurns) = (self.bounds.last(), stops)
+                && !(last.in_place || bound.in_place)
+                && runs_into(&legs[last.leg].curve, curve)
+            {
+                let reached = last.entry + 2.0 * last.acceleration * last.length;
+                bound.entry = reached.min(last.most).min(bound.most);
+            }
+            self.bounds.push(bound);
+        }
+    }
+
+    /// Bounds the start of every leg by what can be braked from until its end.
+    fn bound_backward(&mut self) {
+        let mut exit = 0.0;
+        for bound in self.bounds.iter_mut().rev() {
+            bound.entry = bound.entry.min(exit + 2.0 * bound.acceleration * bound.length);
+            exit = bound.entry;
+        }
+    }
+
+    /// Times the legs one after another.
+    fn time(&mut self, legs: usize) {
+        self.phases.clear();
+        self.leg_ends.clear();
+        self.leg_ends.reserve(legs);
+        (self.fastest, self.fastest_turn) = (0.0, 0.0);
+        let (mut clock, mut odometer) = (Sum::default(), Sum::default());
+        let (mut start, mut offset) = (0.0, 0.0);
+        for (index, bound) in self.bounds.iter().enumerate() {
+            let exit = self.bounds.get(index + 1).map_or(0.0, |next| next.entry);
+            let mut phase = bound.phase(exit);
+            (phase.start, phase.offset) = (start, offset);
+            clock.add(phase.end);
+            phase.end = clock.total().max(start);
+            if bound.in_place {
+                phase.end_offset = offset;
+                self.fastest_turn = self.fastest_turn.max(phase.peak);
+            } else {
+                odometer.add(phase.length);
+                phase.end_offset = odometer.total().max(offset);
+                self.fastest = self.fastest.max(phase.peak);
+            }
+            self.leg_ends.resize(bound.leg, start);
+            self.leg_ends.push(phase.end);
+            (start, offset) = (phase.end, phase.end_offset);
+            // What is too short for the clock to tell takes no time: its ends are one state.
+            if phase.end > phase.start {
+                self.phases.push(phase);
+            }
+        }
+        self.leg_ends.resize(legs, start);
+        (self.duration, self.length) = (start, offset);
+    }
+}
+
+impl Bound {
+    /// The trapezoid or triangle of speed from `entry` to `exit` (both squares);
+    /// its `end` is its duration still.
+    fn phase(&self, exit: f64) -> Phase {
+        let Self { leg, in_place, length, acceleration, most, entry } = *self;
+        // The speed at which rising and falling would meet: p^2 - entry + p^2 - exit = 2 a l.
+        let meeting = acceleration * length + 0.5 * (entry + exit);
+        let peak = meeting.min(most).max(entry).max(exit);
+        let rise = (peak - entry) / (2.0 * acceleration);
+        let fall = (peak - exit) / (2.0 * acceleration);
+        let cruise = (length - rise - fall).max(0.0);
+        let (entry, peak, exit) = (entry.sqrt(), peak.sqrt(), exit.sqrt());
+        // Length over mean speed: no difference of speeds, which cancels on short legs.
+        let rise_time = 2.0 * rise / (entry + peak);
+        let fall_time = 2.0 * fall / (peak + exit);
+        Phase {
+            leg,
+            in_place,
+            start: 0.0,
+            end: rise_time + cruise / peak + fall_time,
+            offset: 0.0,
+            end_offset: 0.0,
+            length,
+            acceleration,
+            entry,
+            peak,
+            exit,
+            rise,
+            rise_time,
+            fall,
+            fall_time,
+        }
+    }
+}
+
+/// What bounds the speed on `curve` by itself; none when nothing moves on it.
+fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
+    let square = |x: f64| x * x;
+    let length = curve.length();
+    let angle = match *curve {
+        Curve::Line { turned, .. } => turned.abs(),
+        Curve::Arc { sweep, .. } | Curve::Turn { sweep, .. } => sweep.abs(),
+    };
+    let in_place = length < NOTHING;
+    let (length, acceleration, most) = if in_place {
+        (angle, limits.yaw_acceleration(), square(limits.yaw_rate()))
+    } else {
+        let speed = square(limits.speed());
+        let most = match *curve {
+            // v <= omega rho and v^2 / rho <= a (METHOD 8).
+            Curve::Arc { radius, .. } => speed
+                .min(square(limits.yaw_rate() * radius))
+                .min(limits.lateral_acceleration() * radius),
+            // v |turned| / length <= omega.
+            Curve::Line { .. } if angle > NOTHING => {
+                speed.min(square(limits.yaw_rate() * length / angle))
+            }
+            Curve::Line { .. } | Curve::Turn { .. } => speed,
+        };
+        (length, limits.acceleration(), most)
+    };
+    (length >= NOTHING).then_some(Bound {
+        leg: 0,
+        in_place,
+        length,
+        acceleration,
+        most,
+        entry: 0.0,
+    })
+}
+
+/// Whether the heading at the end of `curve` is the one that `next` begins with,
+/// and the way that `next` begins.
+fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bool {
+    let turns = matches!(*next, Curve::Line { turned, .. } if turned != 0.0);
+    !turns && wrapped(start_heading(next) - end_heading(curve)).abs() <= SAME_HEADING
+}
+
+/// A sum whose rounding errors are summed as well (Neumaier), so that a million
+/// legs are timed as accurately as one.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    rounded: f64,
+    rest: f64,
+}
+
+impl Sum {
+    fn add(&mut self, term: f64) {
+        let rounded = self.rounded + term;
+        let (large, small) =
+            if self.rounded >= term { (self.rounded, term) } else { (term, self.rounded) };
+        self.rest += (large - rounded) + small;
+        self.rounded = rounded;
+    }
+
+    fn total(&self) -> f64 {
+        self.rounded + self.rest
+    }
+}

@@ -1,0 +1,297 @@
+//! The states of a motion, one after another.
+
+use super::profile::{Phase, Profile};
+use super::sampling::{Grid, Sampling, first_multiple};
+use super::track::{Shape, Track, arc_end, end_heading, end_position, start_position};
+use crate::geometry::Vector;
+use crate::motion::Leg;
+
+/// Where the body is at a time, and how it moves. No number is a negative zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State<const D: usize> {
+    /// Since the motion began, seconds.
+    pub time: f64,
+    /// Of the body's reference point, metres.
+    pub position: Vector<D>,
+    /// Counter-clockwise from +x, in (-pi, pi].
+    pub heading: f64,
+    /// Of the reference point, m/s.
+    pub velocity: Vector<D>,
+    /// Rate of turning, rad/s; positive turns left. It steps where a line meets
+    /// an arc: at such an end of a leg it is the following leg's.
+    pub yaw_rate: f64,
+}
+
+/// Iterator over the states of a motion, made by [`Profile::samples`]: the first
+/// and the last state of every leg, and between them those on the grid of the
+/// [`Sampling`].
+///
+/// The end of a leg and the start of the next are one state, the following leg's,
+/// at exactly the way-point. A state on the grid within 1e-6 s of the end of a
+/// leg gives way to it. Times strictly increase from 0 to the duration.
+#[derive(Debug, Clone)]
+pub struct Sampler<'a, const D: usize> {
+    profile: &'a Profile,
+    legs: &'a [Leg<D>],
+    grid: Grid,
+    track: Option<Track<D>>,
+    law: Law,
+    /// The grid's step, and the next multiple of it.
+    step: f64,
+    multiple: f64,
+    /// Where the multiples of the current law end, and those of each law of the leg.
+    end: f64,
+    ends: [f64; 3],
+    /// How many laws of the leg have been begun.
+    laws: usize,
+    /// Index of the next phase, whose start (the last one's end) is the next
+    /// state that is not on the grid.
+    phase: usize,
+    /// How many states are left besides the current law's.
+    remaining: u64,
+}
+
+/// A motion under constant acceleration, as seen from one place on it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Law {
+    /// What the grid measures there.
+    mark: f64,
+    /// Time there, seconds.
+    time: f64,
+    /// Distance from the leg's start there, metres or radians.
+    along: f64,
+    speed: f64,
+    acceleration: f64,
+}
+
+impl<'a, const D: usize> Sampler<'a, D> {
+    pub(super) fn new(profile: &'a Profile, legs: &'a [Leg<D>], sampling: Sampling) -> Self {
+        Self {
+            profile,
+            legs,
+            grid: Grid::new(sampling, profile),
+            track: None,
+            law: Law::default(),
+            step: 0.0,
+            multiple: 0.0,
+            end: 0.0,
+            ends: [0.0; 3],
+            laws: 3,
+            phase: 0,
+            remaining: profile.sample_count(sampling),
+        }
+    }
+
+    /// What comes when the law's multiples are used up: those of the next law on
+    /// this leg, or the state at the leg's end.
+    #[inline(never)]
+    fn advance(&mut self) -> Option<State<D>> {
+        while self.laws < 3 {
+            let law = self.laws;
+            self.laws += 1;
+            self.end = self.ends[law];
+            if self.multiple < self.end {
+                self.remaining -= (self.end - self.multiple) as u64;
+                self.law = Law::of(&self.profile.phases()[self.phase - 1], law, &self.grid);
+                return self.on_grid();
+            }
+        }
+        if self.remaining == 0 {
+            return None;
+        }
+        self.remaining -= 1;
+        Some(self.way_point())
+    }
+
+    /// The state at the next multiple.
+    #[inline]
+    fn on_grid(&mut self) -> Option<State<D>> {
+        let track = self.track.as_mut()?;
+        let measured = self.multiple * self.step;
+        self.multiple += 1.0;
+        let (time, along, speed) = if self.grid.by_time {
+            self.law.motion::<true>(measured)
+        } else {
+            self.law.motion::<false>(measured)
+        };
+        Some(track.state(time, along, speed))
+    }
+
+    /// Folds the states that are left of the current law, each made by `place`.
+    #[inline]
+    fn run<const BY_TIME: bool, B>(
+        &mut self,
+        init: B,
+        f: &mut impl FnMut(B, State<D>) -> B,
+        place: impl Fn(&mut Track<D>, f64, f64, f64) -> State<D>,
+    ) -> B {
+        let mut all = init;
+        if let Some(track) = &mut self.track {
+            // Held apart from `self`, and so in registers.
+            let (law, step, end) = (self.law, self.step, self.end);
+            let (mut near, mut multiple) = (track.clone(), self.multiple);
+            while multiple < end {
+                let (time, along, speed) = law.motion::<BY_TIME>(multiple * step);
+                all = f(all, place(&mut near, time, along, speed));
+                multiple += 1.0;
+            }
+            self.multiple = multiple;
+            *track = near;
+        }
+        all
+    }
+
+    /// The state where the next phase begins, and the way into that phase; after
+    /// the last one, the state of rest at the end.
+    fn way_point(&mut self) -> State<D> {
+        let profile = self.profile;
+        let last = self.phase.checked_sub(1).map(|index| profile.phases()[index].leg);
+        let next = profile.phases().get(self.phase);
+        self.phase += 1;
+        let mut state = match next {
+            Some(phase) => self.enter(phase),
+            None => State {
+                time: profile.duration(),
+                position: Vector::zeros(),
+                heading: self.legs.last().map_or(0.0, |leg| end_heading(&leg.curve)),
+                velocity: Vector::zeros(),
+                yaw_rate: 0.0,
+            },
+        };
+        // Legs say where they begin and end; all but arcs, whose neighbours do.
+        let stated = match (last, next) {
+            (None, _) => self.legs.first().and_then(|leg| start_position(&leg.curve)),
+            (Some(_), None) => self.legs.last().and_then(|leg| end_position(&leg.curve)),
+            (Some(leg), Some(_)) => end_position(&self.legs[leg].curve)
+                .or_else(|| start_position(&self.legs[leg + 1].curve)),
+        };
+        let ended = || self.legs.last().and_then(|leg| arc_end(&leg.curve));
+        if let Some(position) = stated.or_else(|| if next.is_none() { ended() } else { None }) {
+            state.position = position;
+        }
+        // At rest a negative direction makes negative zeros.
+        state.position = state.position.map(|x| x + 0.0);
+        state.velocity = state.velocity.map(|x| x + 0.0);
+        state.yaw_rate += 0.0;
+        state
+    }
+
+    /// Makes `phase` the current one; gives the state at its start.
+    fn enter(&mut self, phase: &Phase) -> State<D> {
+        let inside = self.grid.inside(phase);
+        self.step = self.grid.step(phase);
+        self.multiple = inside.first;
+        self.laws = 0;
+        // No law is begun yet, so none has multiples left.
+        self.end = inside.first;
+        self.ends = [inside.end; 3];
+        if inside.first < inside.end {
+            // Which law evaluates a multiple near both is a matter of rounding only.
+            for law in 0..2 {
+                let bound = Law::end(phase, law, &self.grid);
+                self.ends[law] = first_multiple(self.step, |x| x >= bound, bound).min(inside.end);
+            }
+        }
+        let mut track = Track::new(&self.legs[phase.leg], phase.length, phase.in_place);
+        let state = track.state(phase.start, 0.0, phase.entry);
+        self.track = Some(track);
+        state
+    }
+}
+
+impl Law {
+    /// Time, distance from the leg's start and speed where the grid measures `measured`.
+    #[inline]
+    fn motion<const BY_TIME: bool>(&self, measured: f64) -> (f64, f64, f64) {
+        let Self { mark, time, along, speed, acceleration } = *self;
+        let beyond = measured - mark;
+        if BY_TIME {
+            let moved = beyond * (speed + 0.5 * acceleration * beyond);
+            (measured, along + moved, speed + acceleration * beyond)
+        } else {
+            let there = (speed * speed + 2.0 * acceleration * beyond).max(0.0).sqrt();
+            // Distance over mean speed.
+            (time + 2.0 * beyond / (speed + there), along + beyond, there)
+        }
+    }
+
+    /// The laws of a phase: rising from its start, cruising, falling until its
+    /// end. The last is seen from there, so that the end is met exactly.
+    fn of(phase: &Phase, law: usize, grid: &Grid) -> Self {
+        let (start, end) = grid.ends(phase);
+        match law {
+            0 => Self {
+                mark: start,
+                time: phase.start,
+                along: 0.0,
+                speed: phase.entry,
+                acceleration: phase.acceleration,
+            },
+            1 => Self {
+                mark: Self::end(phase, 0, grid),
+                time: phase.start + phase.rise_time,
+                along: phase.rise,
+                speed: phase.peak,
+                acceleration: 0.0,
+            },
+            _ => Self {
+                mark: end,
+                time: phase.end,
+                along: phase.length,
+                speed: phase.exit,
+                acceleration: -phase.acceleration,
+            },
+        }
+    }
+
+    /// What the grid measures where law 0 or 1 of `phase` ends.
+    fn end(phase: &Phase, law: usize, grid: &Grid) -> f64 {
+        let (start, end) = grid.ends(phase);
+        match (law, grid.by_time) {
+            (0, true) => start + phase.rise_time,
+            (0, false) => start + phase.rise,
+            (_, true) => end - phase.fall_time,
+            (_, false) => end - phase.fall,
+        }
+    }
+}
+
+impl<const D: usize> Iterator for Sampler<'_, D> {
+    type Item = State<D>;
+
+    #[inline]
+    fn next(&mut self) -> Option<State<D>> {
+        if self.multiple < self.end { self.on_grid() } else { self.advance() }
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let exact = usize::try_from(self.remaining + (self.end - self.multiple) as u64).ok();
+        (exact.unwrap_or(usize::MAX), exact)
+    }
+
+    /// As by [`Iterator::next`], a few times faster: a law's states in one loop.
+    #[inline]
+    fn fold<B, F: FnMut(B, State<D>) -> B>(mut self, init: B, mut f: F) -> B {
+        let mut all = init;
+        loop {
+            if self.multiple < self.end {
+                // A loop for each shape, so that nothing is decided state by state.
+                let shape = self.track.as_ref().map_or(Shape::Line, Track::shape);
+                all = match (shape, self.grid.by_time) {
+                    (Shape::Line, true) => self.run::<true, B>(all, &mut f, Track::on_line),
+                    (Shape::Line, false) => self.run::<false, B>(all, &mut f, Track::on_line),
+                    (Shape::Bend, true) => self.run::<true, B>(all, &mut f, Track::on_bend),
+                    (Shape::Bend, false) => self.run::<false, B>(all, &mut f, Track::on_bend),
+                    (Shape::Arc, true) => self.run::<true, B>(all, &mut f, Track::on_arc),
+                    (Shape::Arc, false) => self.run::<false, B>(all, &mut f, Track::on_arc),
+                };
+            }
+            match self.advance() {
+                Some(state) => all = f(all, state),
+                None => return all,
+            }
+        }
+    }
+}
+
+impl<const D: usize> ExactSizeIterator for Sampler<'_, D> {}

@@ -1,0 +1,193 @@
+//! Where states are wanted, and how many that makes.
+
+use super::profile::{Phase, Profile};
+use thiserror::Error;
+
+/// A state on the grid that is within this of a leg's end gives way to it, seconds.
+const GIVES_WAY: f64 = 1e-6;
+
+/// Angle between states on turns in place when sampling by spacing, radians.
+const TURN_SPACING: f64 = 0.05;
+
+/// The finest part of the whole that is told apart: 2^-50, four units in the
+/// last place. It keeps times strictly increasing whatever is asked for.
+const RESOLUTION: f64 = 1.0 / (1_u64 << 50) as f64;
+
+/// Where states are wanted between the ends of legs, which are always states.
+///
+/// A step finer than 2^-50 of the whole motion is taken as that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling(Kind);
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Period(f64),
+    Spacing(f64),
+    Count(u64),
+}
+
+/// Why a number does not make a [`Sampling`].
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum SamplingError {
+    /// A step is not a positive number.
+    #[error("{field} must be a finite number greater than 0, not {value}")]
+    NotPositive {
+        /// `period` or `spacing`.
+        field: &'static str,
+        /// The number given.
+        value: f64,
+    },
+    /// Fewer states than a motion has ends.
+    #[error("count must be at least {least}, not {count}: the first and the last state")]
+    TooFew {
+        /// The number given.
+        count: u64,
+        /// The least number that will do.
+        least: u64,
+    },
+}
+
+impl Sampling {
+    /// At every multiple of `seconds` from the start.
+    pub fn period(seconds: f64) -> Result<Self, SamplingError> {
+        positive("period", seconds).map(Kind::Period).map(Self)
+    }
+
+    /// At every multiple of `metres` of arc length from the start, and every
+    /// 0.05 rad of each turn in place.
+    pub fn spacing(metres: f64) -> Result<Self, SamplingError> {
+        positive("spacing", metres).map(Kind::Spacing).map(Self)
+    }
+
+    /// At `count` times, evenly spaced from the first to the last state.
+    pub fn count(count: u64) -> Result<Self, SamplingError> {
+        if count < 2 {
+            return Err(SamplingError::TooFew { count, least: 2 });
+        }
+        Ok(Self(Kind::Count(count)))
+    }
+}
+
+fn positive(field: &'static str, value: f64) -> Result<f64, SamplingError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(SamplingError::NotPositive { field, value })
+    }
+}
+
+/// Multiples of a step: of time over the whole motion, or of arc length over the
+/// whole path and of angle over each turn in place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) by_time: bool,
+    step: f64,
+    turn_step: f64,
+    gives_way: f64,
+}
+
+/// Consecutive multiples of a grid's step: `first * step` to `(end - 1) * step`.
+/// Whole numbers below 2^51, held as the numbers they are multiplied as.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Multiples {
+    pub(super) first: f64,
+    pub(super) end: f64,
+}
+
+impl Multiples {
+    pub(super) fn count(&self) -> u64 {
+        (self.end - self.first) as u64
+    }
+}
+
+impl Grid {
+    pub(super) fn new(Sampling(kind): Sampling, profile: &Profile) -> Self {
+        let instant = RESOLUTION * profile.duration();
+        let (by_time, step) = match kind {
+            Kind::Period(seconds) => (true, seconds.max(instant)),
+            Kind::Count(count) => (true, (profile.duration() / (count - 1) as f64).max(instant)),
+            Kind::Spacing(metres) => {
+                let least = (RESOLUTION * profile.length()).max(instant * profile.fastest());
+                (false, metres.max(least))
+            }
+        };
+        Self {
+            by_time,
+            step,
+            turn_step: TURN_SPACING.max(instant * profile.fastest_turn()),
+            gives_way: GIVES_WAY.max(instant),
+        }
+    }
+
+    /// The step that counts on `phase`.
+    pub(super) fn step(&self, phase: &Phase) -> f64 {
+        if phase.in_place && !self.by_time { self.turn_step } else { self.step }
+    }
+
+    /// What the grid measures at the start and at the end of `phase`.
+    pub(super) fn ends(&self, phase: &Phase) -> (f64, f64) {
+        match (self.by_time, phase.in_place) {
+            (true, _) => (phase.start, phase.end),
+            (false, false) => (phase.offset, phase.end_offset),
+            (false, true) => (0.0, phase.length),
+        }
+    }
+
+    /// The multiples inside `phase` that do not give way to one of its ends.
+    pub(super) fn inside(&self, phase: &Phase) -> Multiples {
+        let (start, end) = self.ends(phase);
+        let step = self.step(phase);
+        let duration = phase.end - phase.start;
+        let none = Multiples { first: 0.0, end: 0.0 };
+        if duration <= 2.0 * self.gives_way {
+            return none;
+        }
+        let (after, before) = if self.by_time {
+            (self.gives_way, self.gives_way)
+        } else {
+            (phase.run_from_start(self.gives_way), phase.run_to_end(self.gives_way))
+        };
+        let first = first_multiple(step, |x| x > start + after, start + after);
+        let end = first_multiple(step, |x| x >= end - before, end - before);
+        if first < end { Multiples { first, end } } else { none }
+    }
+}
+
+/// The least whole number `k` for which `passed(k * step)`, `passed` being false
+/// up to about `bound` and true from there.
+pub(super) fn first_multiple(step: f64, passed: impl Fn(f64) -> bool, bound: f64) -> f64 {
+    // Truncation is enough: the quotient is off by no more than one.
+    let mut multiple = (bound / step) as i64 as f64;
+    while multiple > 0.0 && passed((multiple - 1.0) * step) {
+        multiple -= 1.0;
+    }
+    while !passed(multiple * step) {
+        multiple += 1.0;
+    }
+    multiple
+}
+
+impl Phase {
+    /// How far the body gets in the first `time` seconds, which are not all of them.
+    fn run_from_start(&self, time: f64) -> f64 {
+        run(self.entry, self.peak, self.acceleration, self.rise_time, self.rise, time)
+    }
+
+    /// How far the body gets in the last `time` seconds, which are not all of them.
+    fn run_to_end(&self, time: f64) -> f64 {
+        run(self.exit, self.peak, self.acceleration, self.fall_time, self.fall, time)
+    }
+}
+
+/// How far a body gets in `time` from the end of a phase where its speed is
+/// `speed`, seen from that end: it changes at `acceleration` for `ramp_time` and
+/// `ramp`, and is `peak` then. (Where `time` reaches the other ramp the peak only
+/// bounds it: no matter, it decides which states give way on legs of a few
+/// microseconds.)
+fn run(speed: f64, peak: f64, acceleration: f64, ramp_time: f64, ramp: f64, time: f64) -> f64 {
+    if time <= ramp_time {
+        time * (speed + 0.5 * acceleration * time)
+    } else {
+        ramp + peak * (time - ramp_time)
+    }
+}

@@ -1,0 +1,367 @@
+//! Where on a leg the body is, and how it is turned there.
+
+use super::sampler::State;
+use crate::geometry::Vector;
+use crate::motion::{Curve, Leg, wrapped};
+use std::f64::consts::FRAC_PI_2;
+
+/// Angle between the places of an arc where sine and cosine are computed, radians.
+const NODE_SPACING: f64 = 0.5;
+
+/// A line this short against its coordinates has a direction that rounding tells on.
+const SHORT: f64 = 1e-6;
+
+/// A leg, made ready to be evaluated many times in travel order.
+#[derive(Debug, Clone)]
+pub(super) struct Track<const D: usize> {
+    /// Where it begins; on an arc its centre.
+    origin: Vector<D>,
+    /// Displacement per metre; zero when turning in place and on arcs.
+    direction: Vector<D>,
+    /// Heading at its start.
+    heading: f64,
+    /// Signed radians turned per metre, or per radian (+-1) in place.
+    curvature: f64,
+    arc: Option<Arc>,
+}
+
+/// What is to be computed at each state of a leg.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// Only where it is: a line.
+    Line,
+    /// The heading too: a turn in place, a line that turns on the way.
+    Bend,
+    /// The direction of travel as well: an arc.
+    Arc,
+}
+
+/// An arc about a centre, with the direction from it to the body at a node nearby.
+#[derive(Debug, Clone)]
+struct Arc {
+    radius: f64,
+    start_angle: f64,
+    /// +1.0 turns left, -1.0 right.
+    sense: f64,
+    /// Angle run through at the node, and the rounding error of the angle there,
+    /// which for large angles is greater than all else.
+    node: f64,
+    error: f64,
+    cos: f64,
+    sin: f64,
+}
+
+impl<const D: usize> Track<D> {
+    /// The leg's track; `length` is metres, or radians when it turns `in_place`.
+    pub(super) fn new(leg: &Leg<D>, length: f64, in_place: bool) -> Self {
+        let heading = start_heading(&leg.curve);
+        let none = Vector::zeros();
+        match leg.curve {
+            Curve::Line { from, turned, .. } if in_place => {
+                Self { origin: from, direction: none, heading, curvature: sense(turned), arc: None }
+            }
+            Curve::Line { from, to, turned, .. } => Self {
+                origin: from,
+                direction: direction(&from, &to, length, heading),
+                heading,
+                curvature: turned / length + 0.0,
+                arc: None,
+            },
+            Curve::Turn { position, sweep, .. } => {
+                let curvature = sense(sweep);
+                Self { origin: position, direction: none, heading, curvature, arc: None }
+            }
+            // No radius to speak of: the centre is the place.
+            Curve::Arc { center, sweep, .. } if in_place => {
+                let curvature = sense(sweep);
+                Self { origin: center, direction: none, heading, curvature, arc: None }
+            }
+            Curve::Arc { center, radius, start_angle, sweep } => {
+                let sense = sense(sweep);
+                let arc = Some(Arc::new(radius, start_angle, sense));
+                Self { origin: center, direction: none, heading, curvature: sense / radius, arc }
+            }
+        }
+        .normalised()
+    }
+
+    /// With no negative zero, which sums then never give.
+    fn normalised(mut self) -> Self {
+        self.origin = self.origin.map(|x| x + 0.0);
+        self.direction = self.direction.map(|x| x + 0.0);
+        self
+    }
+
+    /// Which of `on_line`, `on_bend` and `on_arc` evaluates this leg.
+    #[inline]
+    pub(super) fn shape(&self) -> Shape {
+        match &self.arc {
+            Some(_) => Shape::Arc,
+            None if self.curvature == 0.0 => Shape::Line,
+            None => Shape::Bend,
+        }
+    }
+
+    /// The state at `time`, `along` from the start (metres, or radians in
+    /// place) with `speed` there.
+    #[inline]
+    pub(super) fn state(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        match self.shape() {
+            Shape::Line => self.on_line(time, along, speed),
+            Shape::Bend => self.on_bend(time, along, speed),
+            Shape::Arc => self.on_arc(time, along, speed),
+        }
+    }
+
+    /// `state` of a line without turning.
+    #[inline]
+    pub(super) fn on_line(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        State {
+            time,
+            position: self.origin + self.direction * along,
+            heading: self.heading,
+            velocity: self.direction * speed,
+            yaw_rate: 0.0,
+        }
+    }
+
+    /// `state` of a turn in place and of a line that turns on the way.
+    #[inline]
+    pub(super) fn on_bend(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        State {
+            heading: wrapped(self.heading + self.curvature * along),
+            yaw_rate: self.curvature * speed,
+            ..self.on_line(time, along, speed)
+        }
+    }
+
+    /// `state` of an arc.
+    #[inline]
+    pub(super) fn on_arc(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        let mut state = self.on_bend(time, along, speed);
+        if let Some(arc) = &mut self.arc {
+            let (cos, sin) = arc.direction(along);
+            let across = speed * arc.sense;
+            state.position[0] += arc.radius * cos;
+            state.position[1] += arc.radius * sin;
+            // A sum with zero is no negative zero; a product may be.
+            state.velocity[0] = 0.0 - across * sin;
+            state.velocity[1] = 0.0 + across * cos;
+        }
+        state
+    }
+}
+
+impl Arc {
+    fn new(radius: f64, start_angle: f64, sense: f64) -> Self {
+        let (sin, cos) = libm::sincos(start_angle);
+        Self { radius, start_angle, sense, node: 0.0, error: 0.0, cos, sin }
+    }
+
+    /// Cosine and sine of the angle from the centre to the body, `along` metres
+    /// from the arc's start: those of the nearest node, turned by the small
+    /// angle that remains. As nodes come from `libm` each by itself, nothing drifts.
+    #[inline]
+    fn direction(&mut self, along: f64) -> (f64, f64) {
+        let turned = along / self.radius;
+        let mut rest = turned - self.node;
+        if rest.abs() > 0.5 * NODE_SPACING {
+            self.move_node(turned);
+            rest = turned - self.node;
+        }
+        let (versine, sin) = small_angle(rest * self.sense + self.error);
+        (
+            self.cos - (self.cos * versine + self.sin * sin),
+            self.sin - (self.sin * versine - self.cos * sin),
+        )
+    }
+
+    #[inline(never)]
+    fn move_node(&mut self, turned: f64) {
+        self.node = NODE_SPACING * ((turned / NODE_SPACING + 0.5) as i64 as f64);
+        let (angle, error) = exact_sum(self.start_angle, self.sense * self.node);
+        (self.sin, self.cos) = libm::sincos(angle);
+        self.error = error;
+    }
+}
+
+/// A sum and what its rounding left out (Knuth).
+fn exact_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let from_b = sum - a;
+    (sum, (a - (sum - from_b)) + (b - from_b))
+}
+
+/// `1 - cos x` and `sin x` for `|x| <= 0.25`: their Taylor series, which end
+/// below 3e-18 there.
+#[inline]
+fn small_angle(x: f64) -> (f64, f64) {
+    const FACTORIAL: [f64; 13] = {
+        let mut factorial = [1.0; 13];
+        let mut n = 1;
+        while n < 13 {
+            factorial[n] = factorial[n - 1] * n as f64;
+            n += 1;
+        }
+        factorial
+    };
+    const fn over(n: usize) -> f64 {
+        1.0 / FACTORIAL[n]
+    }
+    const VERSINE: [f64; 6] = [over(2), -over(4), over(6), -over(8), over(10), -over(12)];
+    const SINE: [f64; 5] = [-over(3), over(5), -over(7), over(9), -over(11)];
+    let square = x * x;
+    let series = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| sum * square + term);
+    (square * series(&VERSINE), x + x * square * series(&SINE))
+}
+
+/// Unit vector of a line's travel.
+///
+/// A line of rounding's own length, as between two guiding circles that all but
+/// touch, would point anywhere: where coordinates can't tell its direction from
+/// its heading, the heading is it.
+fn direction<const D: usize>(
+    from: &Vector<D>,
+    to: &Vector<D>,
+    length: f64,
+    heading: f64,
+) -> Vector<D> {
+    let displacement = to - from;
+    let extent = from.amax().max(to.amax());
+    if length < SHORT * extent {
+        let (sin, cos) = libm::sincos(heading);
+        let mut along = Vector::zeros();
+        (along[0], along[1]) = (cos, sin);
+        if (displacement - along * length).amax() <= 4.0 * f64::EPSILON * extent {
+            return along;
+        }
+    }
+    displacement / length
+}
+
+fn sense(angle: f64) -> f64 {
+    if angle < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Heading where a leg begins, in (-pi, pi].
+pub(super) fn start_heading<const D: usize>(curve: &Curve<D>) -> f64 {
+    match *curve {
+        Curve::Line { heading, turned, .. } => wrapped(heading - turned),
+        Curve::Arc { start_angle, sweep, .. } => wrapped(start_angle + sense(sweep) * FRAC_PI_2),
+        Curve::Turn { from_heading, .. } => wrapped(from_heading),
+    }
+}
+
+/// Heading where a leg ends, in (-pi, pi].
+pub(super) fn end_heading<const D: usize>(curve: &Curve<D>) -> f64 {
+    match *curve {
+        Curve::Line { heading, .. } => wrapped(heading),
+        Curve::Arc { start_angle, sweep, .. } => {
+            wrapped(start_angle + sense(sweep) * FRAC_PI_2 + sweep)
+        }
+        Curve::Turn { from_heading, sweep, .. } => wrapped(from_heading + sweep),
+    }
+}
+
+/// Where a leg begins, if it says so itself: arcs don't.
+pub(super) fn start_position<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
+    match *curve {
+        Curve::Line { from, .. } => Some(from),
+        Curve::Turn { position, .. } => Some(position),
+        Curve::Arc { .. } => None,
+    }
+}
+
+/// Where a leg ends, if it says so itself: arcs don't.
+pub(super) fn end_position<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
+    match *curve {
+        Curve::Line { to, .. } => Some(to),
+        Curve::Turn { position, .. } => Some(position),
+        Curve::Arc { .. } => None,
+    }
+}
+
+/// Where an arc ends, from its centre and angles.
+pub(super) fn arc_end<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
+    let Curve::Arc { center, radius, start_angle, sweep } = *curve else { return None };
+    let (sin, cos) = libm::sincos(start_angle + sweep);
+    let mut end = center;
+    end[0] += radius * cos;
+    end[1] += radius * sin;
+    Some(end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn headings_are_in_the_half_open_turn() {
+        let check = |angle: f64, expected: f64| {
+            assert_eq!(wrapped(angle).to_bits(), expected.to_bits(), "{angle}");
+        };
+        check(0.0, 0.0);
+        check(-0.0, 0.0);
+        check(PI, PI);
+        check(-PI, PI);
+        check(1.5 * PI, -0.5 * PI);
+        check(-1.5 * PI, 0.5 * PI);
+        check(TAU, 0.0);
+        check(-TAU, 0.0);
+    }
+
+    #[test]
+    fn line_too_short_for_its_coordinates_goes_where_it_heads() {
+        let (sin, cos) = libm::sincos(0.7);
+        let from = Vector::from([1000.0, -2000.0]);
+        let to = from + Vector::from([cos, sin]) * 1e-12;
+        let length = (to - from).norm();
+        assert_eq!(direction(&from, &to, length, 0.7), Vector::from([cos, sin]));
+    }
+
+    #[test]
+    fn short_line_goes_to_its_end_whatever_its_heading() {
+        let (from, to) = (Vector::from([1.0, 2.0]), Vector::from([1.0, 2.0 + 1e-8]));
+        let along = direction(&from, &to, (to - from).norm(), 0.0);
+        assert_eq!(along, Vector::from([0.0, 1.0]));
+    }
+
+    proptest! {
+        #[test]
+        fn wrapped_is_the_same_angle(angle in -1e4..1e4_f64) {
+            let wrapped = wrapped(angle);
+            prop_assert!(-PI < wrapped && wrapped <= PI);
+            // 1e4 rad are 1592 turns, each with TAU's rounding, 2.5e-16.
+            prop_assert!((libm::sin(wrapped) - libm::sin(angle)).abs() < 2e-12);
+            prop_assert!((libm::cos(wrapped) - libm::cos(angle)).abs() < 2e-12);
+        }
+
+        /// Two roundings of `libm`, two of products and two of sums, each half a
+        /// unit in the last place of 1, here and one in the reference: 5e-16.
+        #[test]
+        fn arcs_agree_with_libm(
+            start_angle in -PI..PI, sweep in -TAU..TAU, radius in 1e-3..1e3_f64,
+            parts in 1..60_u32,
+        ) {
+            let mut arc = Arc::new(radius, start_angle, sense(sweep));
+            for part in 0..=parts {
+                let along = radius * sweep.abs() * f64::from(part) / f64::from(parts);
+                let (cos, sin) = arc.direction(along);
+                let (angle, error) = exact_sum(start_angle, sense(sweep) * (along / radius));
+                let (exact_sin, exact_cos) = libm::sincos(angle);
+                prop_assert!((cos - (exact_cos - error * exact_sin)).abs() <= 5e-16);
+                prop_assert!((sin - (exact_sin + error * exact_cos)).abs() <= 5e-16);
+            }
+        }
+
+        #[test]
+        fn small_angles_agree_with_libm(x in -0.25..=0.25_f64) {
+            let (versine, sin) = small_angle(x);
+            let half = libm::sin(0.5 * x);
+            prop_assert!((sin - libm::sin(x)).abs() <= f64::EPSILON * x.abs());
+            prop_assert!((versine - 2.0 * half * half).abs() <= 3.0 * f64::EPSILON * versine);
+        }
+    }
+}
