@@ -3,6 +3,7 @@
 use crate::geometry::Vector;
 
 pub mod distance;
+pub mod rectangle;
 pub mod translating;
 pub mod walls;
 

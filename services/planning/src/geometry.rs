@@ -142,3 +142,21 @@ impl Direction {
 
 pub mod box_tree;
 pub mod polygon;
+
+/// The unit vector at `angle` radians counter-clockwise from +x.
+pub(crate) fn unit(angle: f64) -> Vector<2> {
+    let (sin, cos) = libm::sincos(angle);
+    Vector::<2>::new(cos, sin)
+}
+
+/// `vector` turned by the angle of the unit vector `by`: their complex product.
+pub(crate) fn rotated(vector: &Vector<2>, by: &Vector<2>) -> Vector<2> {
+    Vector::<2>::new(vector.x * by.x - vector.y * by.y, vector.x * by.y + vector.y * by.x)
+}
+
+/// `vector` turned back by the angle of the unit vector `by`: the product with
+/// its conjugate. Its coordinates are the dot and the cross product of `by` and
+/// `vector`.
+pub(crate) fn unrotated(vector: &Vector<2>, by: &Vector<2>) -> Vector<2> {
+    Vector::<2>::new(vector.x * by.x + vector.y * by.y, vector.y * by.x - vector.x * by.y)
+}

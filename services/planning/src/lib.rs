@@ -12,6 +12,7 @@
 
 pub mod clearance;
 pub mod disassembly;
+pub mod driving;
 pub mod free_space;
 pub mod geometry;
 pub mod motion;

@@ -1,0 +1,220 @@
+//! Exact clearance of the rectangular robot over lines, arcs and turns in place.
+//!
+//! Nothing is sampled. While body and wall are apart, the least distance between
+//! them is met between a corner of one and an edge or a corner of the other, and
+//! each of these pairs moves on a line or on a circle about the guiding circle's
+//! centre: finitely many candidates. Only for a robot that turns while moving
+//! the candidates have no closed form; that case is a bounded search
+//! ([`TURNING_WHILE_MOVING_BOUND`]).
+
+use thiserror::Error;
+
+use crate::clearance::Clearance;
+use crate::clearance::walls::{Wall, Walls};
+use crate::geometry::Vector;
+use crate::motion::{Curve, Leg};
+
+mod moving;
+mod segment;
+mod slide;
+mod swing;
+
+/// Distances that differ by less than this are one distance, metres: the place
+/// reported is the first that comes so close to the least distance.
+pub const TIE: f64 = 1e-12;
+
+/// The greatest error of the clearance over a line on which the body also
+/// turns, metres; every other clearance is exact to rounding.
+pub const TURNING_WHILE_MOVING_BOUND: f64 = 1e-9;
+
+/// The rectangle that a mobile robot covers; its reference point is the centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Footprint {
+    width: f64,
+    length: f64,
+}
+
+/// Why two sides do not make a [`Footprint`].
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("a footprint needs positive sides: width {width} m, length {length} m")]
+pub struct FootprintError {
+    /// Extent across the heading, metres.
+    pub width: f64,
+    /// Extent along the heading, metres.
+    pub length: f64,
+}
+
+impl Footprint {
+    /// The rectangle `width` across (the paper's w) and `length` along the
+    /// heading (the paper's h), metres; both must be positive and finite.
+    pub fn new(width: f64, length: f64) -> Result<Self, FootprintError> {
+        let positive = |side: f64| side > 0.0 && side.is_finite();
+        if positive(width) && positive(length) {
+            Ok(Self { width, length })
+        } else {
+            Err(FootprintError { width, length })
+        }
+    }
+
+    /// Extent across the heading, metres.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// Extent along the heading, metres.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+}
+
+/// The least distance over a motion and where it is met first. No wall yet:
+/// infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Met {
+    /// The least distance, metres.
+    pub(crate) value: f64,
+    /// Where it is met: part of the leg run through, or arc length of the motion.
+    pub(crate) along: f64,
+    /// The wall point.
+    pub(crate) wall: Vector<2>,
+    /// Distance at `along`; within [`TIE`] of `value`.
+    there: f64,
+}
+
+impl Met {
+    pub(crate) const NOTHING: Self = Self {
+        value: f64::INFINITY,
+        along: 0.0,
+        wall: Vector::<2>::new(0.0, 0.0),
+        there: f64::INFINITY,
+    };
+
+    /// Whether a distance can change the answer.
+    fn wants(&self, value: f64) -> bool {
+        value <= self.value + TIE
+    }
+
+    /// Takes a distance that occurs into account.
+    pub(crate) fn offer(&mut self, value: f64, along: f64, wall: Vector<2>) {
+        if !self.wants(value) {
+            return;
+        }
+        self.value = self.value.min(value);
+        if self.there > self.value + TIE || along < self.along {
+            (self.there, self.along, self.wall) = (value, along, wall);
+        }
+    }
+
+    pub(crate) fn clearance(&self) -> Option<Clearance<2>> {
+        self.value.is_finite().then_some(Clearance {
+            value: self.value,
+            at: self.along,
+            wall: self.wall,
+        })
+    }
+}
+
+/// Distance of the body at rest to the walls; `None` where there are none.
+/// Heading in radians counter-clockwise from +x.
+pub fn over_placement(
+    footprint: &Footprint,
+    position: &Vector<2>,
+    heading: f64,
+    walls: &Walls<2>,
+) -> Option<Clearance<2>> {
+    let curve = Curve::Line { from: *position, to: *position, heading, turned: 0.0 };
+    over_curve(footprint, &curve, walls)
+}
+
+/// Clearance over one curve; `None` where there are no walls. Lines are
+/// travelled along the heading; over a turn in place `at` is 0.
+pub fn over_curve(
+    footprint: &Footprint,
+    curve: &Curve<2>,
+    walls: &Walls<2>,
+) -> Option<Clearance<2>> {
+    let mut met = nearest(footprint, curve, walls, footprint.width.max(footprint.length));
+    met.along *= curve.length();
+    met.clearance()
+}
+
+/// Clearance over a whole motion; `each` is refilled with every leg's clearance,
+/// metres (infinite where there are no walls).
+pub fn over_motion(
+    footprint: &Footprint,
+    legs: &[Leg<2>],
+    walls: &Walls<2>,
+    each: &mut Vec<f64>,
+) -> Option<Clearance<2>> {
+    each.clear();
+    let mut guess = footprint.width.max(footprint.length);
+    let mut travelled = 0.0;
+    let mut least = Met::NOTHING;
+    for leg in legs {
+        let met = nearest(footprint, &leg.curve, walls, guess);
+        let length = leg.curve.length();
+        least.offer(met.value, travelled + met.along * length, met.wall);
+        each.push(met.value);
+        travelled += length;
+        guess = next_guess(&met, guess);
+    }
+    least.clearance()
+}
+
+/// The next leg begins where this one ends, so it comes about as close.
+pub(crate) fn next_guess(met: &Met, guess: f64) -> f64 {
+    if met.value.is_finite() { 1.5 * met.value + 0.01 } else { guess }
+}
+
+/// The least distance over one curve, `along` as the part of it run through.
+/// `guess`: how far to look for walls at first, metres; the result does not
+/// depend on it.
+pub(crate) fn nearest(
+    footprint: &Footprint,
+    curve: &Curve<2>,
+    walls: &Walls<2>,
+    guess: f64,
+) -> Met {
+    match *curve {
+        Curve::Line { from, to, heading, turned } => {
+            if turned == 0.0 {
+                let slide = slide::Slide::new(footprint, &from, &to, heading);
+                search(walls, slide.bounds(), guess, |wall, met| slide.meet(wall, met))
+            } else {
+                let moving = moving::Moving::new(footprint, &from, &to, heading, turned);
+                search(walls, moving.bounds(), guess, |wall, met| moving.meet(wall, met))
+            }
+        }
+        Curve::Arc { center, radius, start_angle, sweep } => {
+            let swing = swing::Swing::on_arc(footprint, &center, radius, start_angle, sweep);
+            search(walls, swing.bounds(), guess, |wall, met| swing.meet(wall, met))
+        }
+        Curve::Turn { position, from_heading, sweep } => {
+            let swing = swing::Swing::in_place(footprint, &position, from_heading, sweep);
+            search(walls, swing.bounds(), guess, |wall, met| swing.meet(wall, met))
+        }
+    }
+}
+
+/// Meets all walls that are near enough to matter. Walls farther than the guess
+/// are left out at first, so an answer within the guess is the answer.
+fn search(
+    walls: &Walls<2>,
+    (min, max): (Vector<2>, Vector<2>),
+    guess: f64,
+    meet: impl Fn(&Wall<2>, &mut Met),
+) -> Met {
+    let mut met = Met::NOTHING;
+    walls.near(&min, &max, guess, |_, wall| meet(wall, &mut met));
+    if met.value > guess {
+        met = Met::NOTHING;
+        walls.nearest(&min, &max, |_, wall| {
+            meet(wall, &mut met);
+            met.value + TIE
+        });
+    }
+    met
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,139 @@
+//! A body that turns while it moves on a line, as the paper's robot does on its
+//! way to the first arriving point.
+
+use super::segment::{Rectangle, Segment};
+use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND};
+use crate::clearance::distance::{distance_segment_box, distance_segment_segment};
+use crate::clearance::walls::Wall;
+use crate::geometry::{Vector, rotated, unit, unrotated};
+
+/// A line on which the heading turns evenly. Progress runs from 0 to 1.
+///
+/// The search divides the progress until no part can hold a distance that is
+/// less than the least one seen by more than [`TURNING_WHILE_MOVING_BOUND`].
+/// What a part can hold is bounded twice:
+///
+/// 1. No point of the body moves farther than (length + half diagonal * |turned|)
+///    per unit of progress.
+/// 2. A point with second derivative at most m stays within m delta^2 / 8 of its
+///    chord over a part of size delta. Body corners have m = half diagonal *
+///    turned^2 in the wall's frame; a wall end at most r from the body's centre
+///    has m = r turned^2 + 2 |turned| length in the body's frame. The distance of
+///    a chord to the (convex) wall or body is exact, and while body and wall are
+///    apart a corner of one of them is nearest.
+pub(super) struct Moving {
+    from: Vector<2>,
+    travel: Vector<2>,
+    length: f64,
+    start_heading: f64,
+    turned: f64,
+    body: Rectangle,
+    half_diagonal: f64,
+}
+
+/// The body at one moment, and what the bounds need to know about it.
+struct Placed {
+    progress: f64,
+    /// Body corners in the wall's frame.
+    corners: [Vector<2>; 4],
+    /// Wall ends in the body's frame.
+    ends: [Vector<2>; 2],
+    distance: f64,
+}
+
+impl Moving {
+    pub(super) fn new(
+        footprint: &Footprint,
+        from: &Vector<2>,
+        to: &Vector<2>,
+        heading: f64,
+        turned: f64,
+    ) -> Self {
+        let (a, b) = (footprint.length / 2.0, footprint.width / 2.0);
+        let travel = to - from;
+        Self {
+            from: *from,
+            travel,
+            length: travel.dot(&travel).sqrt(),
+            start_heading: heading - turned,
+            turned,
+            body: Rectangle { center: Vector::<2>::zeros(), half: Vector::<2>::new(a, b) },
+            half_diagonal: (a * a + b * b).sqrt(),
+        }
+    }
+
+    /// A box around the swept set.
+    pub(super) fn bounds(&self) -> (Vector<2>, Vector<2>) {
+        let to = self.from + self.travel;
+        let extent = Vector::<2>::new(self.half_diagonal, self.half_diagonal);
+        (self.from.inf(&to) - extent, self.from.sup(&to) + extent)
+    }
+
+    pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {
+        let start = self.placed(wall, 0.0, met);
+        let end = self.placed(wall, 1.0, met);
+        let reach = start.ends.iter().chain(&end.ends).map(|end| end.dot(end)).fold(0.0, f64::max);
+        let turned = self.turned.abs();
+        let bend = Bend {
+            corner: self.half_diagonal * turned * turned,
+            end: reach.sqrt() * turned * turned + 2.0 * turned * self.length,
+        };
+        self.refine(wall, &start, &end, &bend, met);
+    }
+
+    /// Looks for lesser distances between two placements.
+    fn refine(&self, wall: &Wall<2>, a: &Placed, b: &Placed, bend: &Bend, met: &mut Met) {
+        let enough = met.value - TURNING_WHILE_MOVING_BOUND;
+        let part = b.progress - a.progress;
+        let speed = self.length + self.half_diagonal * self.turned.abs();
+        let first_touch_is_known = met.value == 0.0 && met.along <= a.progress;
+        if first_touch_is_known || (a.distance + b.distance - speed * part) / 2.0 >= enough {
+            return;
+        }
+        let mut corners = f64::INFINITY;
+        for chord in a.corners.iter().zip(&b.corners) {
+            let closest = distance_segment_segment(chord, (&wall.from, &wall.to));
+            corners = corners.min(closest.distance);
+        }
+        let (low, high) = (-self.body.half, self.body.half);
+        let mut ends = f64::INFINITY;
+        for chord in a.ends.iter().zip(&b.ends) {
+            ends = ends.min(distance_segment_box(chord, (&low, &high)).distance);
+        }
+        let eighth = part * part / 8.0;
+        if (corners - bend.corner * eighth).min(ends - bend.end * eighth) >= enough {
+            return;
+        }
+        let middle = self.placed(wall, a.progress + part / 2.0, met);
+        self.refine(wall, a, &middle, bend, met);
+        self.refine(wall, &middle, b, bend, met);
+    }
+
+    /// The body after a part of the way; its distance is offered.
+    fn placed(&self, wall: &Wall<2>, progress: f64, met: &mut Met) -> Placed {
+        let position = self.from + self.travel * progress;
+        let heading = unit(self.start_heading + self.turned * progress);
+        let segment = Segment::seen(wall, &position, &heading);
+        let (mut distance, mut nearest) = (f64::INFINITY, 0.0);
+        segment.meet(&self.body, f64::INFINITY, |candidate, t| {
+            if candidate < distance {
+                (distance, nearest) = (candidate, t);
+            }
+        });
+        met.offer(distance, progress, wall.from + (wall.to - wall.from) * nearest);
+        Placed {
+            progress,
+            corners: self.body.corners().map(|corner| position + rotated(&corner, &heading)),
+            ends: [wall.from, wall.to].map(|end| unrotated(&(end - position), &heading)),
+            distance,
+        }
+    }
+}
+
+/// Bounds of second derivatives by progress, metres.
+struct Bend {
+    /// Of the body's corners in the wall's frame.
+    corner: f64,
+    /// Of the wall's ends in the body's frame.
+    end: f64,
+}

@@ -1,0 +1,243 @@
+//! A body that turns rigidly about a centre: an arc of a guiding circle, or, with
+//! radius 0, a turn in place.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::segment::{Rectangle, Segment};
+use super::slide::bounds;
+use super::{Footprint, Met, TIE};
+use crate::clearance::distance::cross;
+use crate::clearance::walls::Wall;
+use crate::geometry::{Sign, Vector, rotated, unit, unrotated};
+
+/// The motion in the frame of the body half-way: origin at the centre of the
+/// turn, x axis along the heading. There the angle turned runs from `-half` to
+/// `half` (or back), so that "within the sweep" is one comparison of cosines.
+pub(super) struct Swing {
+    center: Vector<2>,
+    middle: Vector<2>,
+    body: Rectangle,
+    corners: [Vector<2>; 4],
+    /// Distances of the corners from the centre: the two on the side towards the
+    /// centre, then the two on the other.
+    radii: [f64; 2],
+    /// The unit vector at half of the sweep's size.
+    half: Vector<2>,
+    half_sweep: f64,
+    sense: Sign,
+    /// Least distance of the body from the centre.
+    inner: f64,
+}
+
+impl Swing {
+    pub(super) fn on_arc(
+        footprint: &Footprint,
+        center: &Vector<2>,
+        radius: f64,
+        start_angle: f64,
+        sweep: f64,
+    ) -> Self {
+        // The centre lies to the left of the path of a left turn.
+        let sense = Sign::of(sweep);
+        let heading = start_angle + sense.factor() * FRAC_PI_2 + sweep / 2.0;
+        Self::new(footprint, center, -sense.factor() * radius, heading, sweep)
+    }
+
+    pub(super) fn in_place(
+        footprint: &Footprint,
+        position: &Vector<2>,
+        from_heading: f64,
+        sweep: f64,
+    ) -> Self {
+        Self::new(footprint, position, 0.0, from_heading + sweep / 2.0, sweep)
+    }
+
+    fn new(
+        footprint: &Footprint,
+        center: &Vector<2>,
+        offset: f64,
+        heading: f64,
+        sweep: f64,
+    ) -> Self {
+        let (a, b) = (footprint.length / 2.0, footprint.width / 2.0);
+        let body =
+            Rectangle { center: Vector::<2>::new(0.0, offset), half: Vector::<2>::new(a, b) };
+        // Near side first.
+        let near = if offset < 0.0 { b } else { -b };
+        let corners = [
+            Vector::<2>::new(-a, offset + near),
+            Vector::<2>::new(a, offset + near),
+            Vector::<2>::new(-a, offset - near),
+            Vector::<2>::new(a, offset - near),
+        ];
+        let radii = [0, 2].map(|i| corners[i].dot(&corners[i]).sqrt());
+        Self {
+            center: *center,
+            middle: unit(heading),
+            body,
+            corners,
+            radii,
+            half: unit(sweep.abs() / 2.0),
+            half_sweep: sweep.abs() / 2.0,
+            sense: Sign::of(sweep),
+            inner: (offset.abs() - b).max(0.0),
+        }
+    }
+
+    /// A box around the swept set: the placements at both ends, and how far a
+    /// corner's circle bulges over its chord.
+    pub(super) fn bounds(&self) -> (Vector<2>, Vector<2>) {
+        let conjugate = Vector::<2>::new(self.half.x, -self.half.y);
+        let ends = [self.half, conjugate].map(|turn| {
+            let heading = rotated(&self.middle, &turn);
+            let center = self.center + rotated(&self.body.center, &heading);
+            bounds(&center, &heading, &self.body.half)
+        });
+        let bulge = self.radii[1] * (1.0 - self.half.x);
+        let bulge = Vector::<2>::new(bulge, bulge);
+        (ends[0].0.inf(&ends[1].0) - bulge, ends[0].1.sup(&ends[1].1) + bulge)
+    }
+
+    pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {
+        let segment = Segment::seen(wall, &self.center, &self.middle);
+        let ends = [segment.from, segment.from + segment.span];
+        let seen = Seen {
+            foot: segment.foot(&Vector::<2>::zeros()),
+            line: cross(&segment.from, &segment.span).abs() * segment.inverse_length,
+            lengths: ends.map(|end| end.dot(&end).sqrt()),
+            ends,
+            segment,
+        };
+        // The body stays between two circles; the wall may be far from both.
+        let nearest = if seen.crosses() { seen.line } else { seen.lengths[0].min(seen.lengths[1]) };
+        let farthest = seen.lengths[0].max(seen.lengths[1]);
+        if !met.wants((nearest - self.radii[1]).max(self.inner - farthest)) {
+            return;
+        }
+        self.placements(wall, &seen, met);
+        for (side, &radius) in self.radii.iter().enumerate() {
+            self.corners_to_wall(wall, &seen, &self.corners[2 * side..][..2], radius, met);
+        }
+        for end in 0..2 {
+            self.wall_end_to_edges(wall, &seen, end, met);
+        }
+    }
+
+    /// The placements in which the motion begins and ends.
+    fn placements(&self, wall: &Wall<2>, seen: &Seen, met: &mut Met) {
+        let to_end = Vector::<2>::new(self.half.x, self.sense.factor() * self.half.y);
+        let to_start = Vector::<2>::new(to_end.x, -to_end.y);
+        for (turn, along) in [(to_start, 0.0), (to_end, 1.0)] {
+            seen.segment.unrotated(&turn).meet(&self.body, met.value + TIE, |distance, t| {
+                met.offer(distance, along, point(wall, t));
+            });
+        }
+    }
+
+    /// Two body corners on one circle about the centre against the wall.
+    fn corners_to_wall(
+        &self,
+        wall: &Wall<2>,
+        seen: &Seen,
+        corners: &[Vector<2>],
+        radius: f64,
+        met: &mut Met,
+    ) {
+        let mut candidate = |distance: f64, target: &Vector<2>, length: f64, t: f64| {
+            for corner in corners {
+                let turn = unrotated(target, corner) / (radius * length);
+                self.offer(wall, distance, &turn, t, met);
+            }
+        };
+        if seen.segment.inverse_length > 0.0 {
+            if radius <= seen.line {
+                if seen.crosses() {
+                    let foot = seen.segment.at(seen.foot);
+                    candidate(seen.line - radius, &foot, seen.line, seen.foot);
+                }
+            } else {
+                let chord = (radius * radius - seen.line * seen.line).sqrt();
+                let chord = chord * seen.segment.inverse_length;
+                for t in [seen.foot - chord, seen.foot + chord] {
+                    if (0.0..=1.0).contains(&t) {
+                        candidate(0.0, &seen.segment.at(t), radius, t);
+                    }
+                }
+            }
+        }
+        for (t, (end, &length)) in [0.0, 1.0].into_iter().zip(seen.ends.iter().zip(&seen.lengths)) {
+            if length > 0.0 {
+                candidate((length - radius).abs(), end, length, t);
+            }
+        }
+    }
+
+    /// A wall end, which runs on a circle in the body's frame, against the
+    /// body's edges.
+    fn wall_end_to_edges(&self, wall: &Wall<2>, seen: &Seen, index: usize, met: &mut Met) {
+        let (end, length, t) = (&seen.ends[index], seen.lengths[index], index as f64);
+        if length == 0.0 || length > self.radii[1] {
+            return;
+        }
+        let (center, half) = (&self.body.center, &self.body.half);
+        let mut candidate = |distance: f64, x: f64, y: f64| {
+            let turn = unrotated(end, &Vector::<2>::new(x, y)) / (length * length);
+            self.offer(wall, distance, &turn, t, met);
+        };
+        if length < self.inner {
+            candidate(self.inner - length, 0.0, length * Sign::of(center.y).factor());
+            return;
+        }
+        for y in [center.y - half.y, center.y + half.y] {
+            let x = length * length - y * y;
+            if (0.0..=half.x * half.x).contains(&x) {
+                let x = x.sqrt();
+                candidate(0.0, x, y);
+                candidate(0.0, -x, y);
+            }
+        }
+        let y = (length * length - half.x * half.x).max(0.0).sqrt();
+        if length >= half.x {
+            for y in [y, -y] {
+                if (y - center.y).abs() <= half.y {
+                    candidate(0.0, half.x, y);
+                    candidate(0.0, -half.x, y);
+                }
+            }
+        }
+    }
+
+    /// Offers a distance that occurs after the turn by the angle of the unit
+    /// vector `turn` from half-way, if that lies within the sweep.
+    fn offer(&self, wall: &Wall<2>, distance: f64, turn: &Vector<2>, t: f64, met: &mut Met) {
+        if turn.x < self.half.x || !met.wants(distance) {
+            return;
+        }
+        let angle = self.sense.factor() * libm::atan2(turn.y, turn.x);
+        let along = if self.half_sweep > 0.0 { 0.5 + 0.5 * angle / self.half_sweep } else { 0.0 };
+        met.offer(distance, along.clamp(0.0, 1.0), point(wall, t));
+    }
+}
+
+/// A wall in the frame of a [`Swing`].
+struct Seen {
+    segment: Segment,
+    ends: [Vector<2>; 2],
+    /// Distances of the ends from the centre.
+    lengths: [f64; 2],
+    /// Distance of the wall's line from the centre.
+    line: f64,
+    /// Parameter of the centre's foot on that line.
+    foot: f64,
+}
+
+impl Seen {
+    /// Whether the centre's foot lies on the wall itself.
+    fn crosses(&self) -> bool {
+        0.0 < self.foot && self.foot < 1.0
+    }
+}
+
+fn point(wall: &Wall<2>, t: f64) -> Vector<2> {
+    wall.from + (wall.to - wall.from) * t
+}

@@ -1,0 +1,118 @@
+//! What is refused, and the numbers that would do.
+
+use super::limits::{greatest_gap, least_width};
+use super::{CONTACT, Drive, DrivingError, Gaps};
+use crate::clearance::rectangle::{Met, over_placement};
+use crate::geometry::{AxisBox, Vector};
+use crate::motion::{Curve, Leg, wrapped};
+
+/// Start and goal must lie in their channels.
+pub(super) fn check_ends(drive: &Drive<'_>) -> Result<(), DrivingError> {
+    let inside = |point: &Vector<2>, channel: &AxisBox<2>| {
+        (0..2).all(|axis| channel.min()[axis] <= point[axis] && point[axis] <= channel.max()[axis])
+    };
+    let (position, channel) = (drive.start.position, drive.first);
+    if !inside(&position, &channel) {
+        return Err(DrivingError::BodyOutside { position, channel });
+    }
+    let (position, channel) = (drive.goal.position, drive.last);
+    if !inside(&position, &channel) {
+        return Err(DrivingError::GoalOutside { position, channel });
+    }
+    Ok(())
+}
+
+/// The robot must not touch a wall, nor be inside a solid, before it moves.
+pub(super) fn check_start(drive: &Drive<'_>) -> Result<(), DrivingError> {
+    let position = drive.start.position;
+    let inside =
+        drive.walls.solid_around(&position).map(|index| drive.walls.as_slice()[index].from);
+    match inside.or_else(|| touched(drive, &position, drive.start.heading)) {
+        Some(wall) => Err(DrivingError::BodyTouchesWall { position, wall }),
+        None => Ok(()),
+    }
+}
+
+/// The wall point that the robot touches at a pose.
+fn touched(drive: &Drive<'_>, position: &Vector<2>, heading: f64) -> Option<Vector<2>> {
+    over_placement(&drive.footprint, position, heading, drive.walls)
+        .filter(|clearance| clearance.value <= CONTACT)
+        .map(|clearance| clearance.wall)
+}
+
+/// There must be a positive gap for every corner.
+pub(super) fn check_gaps(drive: &Drive<'_>, gaps: &Gaps<'_>) -> Result<(), DrivingError> {
+    let needs = drive.corners.len();
+    if let Gaps::PerCorner(gaps) = gaps
+        && gaps.len() != needs
+    {
+        return Err(DrivingError::GapCount { has: gaps.len(), needs });
+    }
+    for corner in 0..needs {
+        let gap = gaps.at(corner);
+        if !(gap > 0.0 && gap.is_finite()) {
+            return Err(gap_out_of_range(drive, corner, gap));
+        }
+    }
+    Ok(())
+}
+
+fn gap_out_of_range(drive: &Drive<'_>, corner: usize, gap: f64) -> DrivingError {
+    let most = greatest_gap(&drive.footprint, drive.corners[corner].width()).max(0.0);
+    DrivingError::GapOutOfRange { corner, gap, least: 0.0, most }
+}
+
+/// Why the robot touches a wall on leg `index`.
+pub(super) fn contact(
+    drive: &Drive<'_>,
+    gaps: &Gaps<'_>,
+    legs: &[Leg<2>],
+    index: usize,
+    met: &Met,
+) -> DrivingError {
+    if let Some(error) = contact_at_goal(drive, legs) {
+        return error;
+    }
+    let leg = &legs[index];
+    if let Curve::Turn { position, from_heading, sweep } = leg.curve {
+        return DrivingError::TurnBlocked {
+            position,
+            heading: wrapped(from_heading + sweep),
+            free: wrapped(from_heading + met.along * sweep),
+            wall: met.wall,
+        };
+    }
+    // A line is touched where the arcs beside it leave too little room.
+    let is_arc = matches!(leg.curve, Curve::Arc { .. });
+    let beside = if is_arc { index..=index } else { index.saturating_sub(1)..=index + 1 };
+    for corner in beside.filter_map(|index| {
+        let leg = legs.get(index)?;
+        leg.junction.filter(|_| matches!(leg.curve, Curve::Arc { .. }))
+    }) {
+        let has = drive.corners[corner].width();
+        let needs = least_width(&drive.footprint);
+        if has <= needs {
+            return DrivingError::CornerTooNarrow { corner, has, needs };
+        }
+        if gaps.at(corner) >= greatest_gap(&drive.footprint, has) {
+            return gap_out_of_range(drive, corner, gaps.at(corner));
+        }
+    }
+    DrivingError::WallInTheWay { leg: index, at: met.along * leg.curve.length(), wall: met.wall }
+}
+
+/// Whether it is the last placement already that touches.
+fn contact_at_goal(drive: &Drive<'_>, legs: &[Leg<2>]) -> Option<DrivingError> {
+    let arrives = || match legs.last()?.curve {
+        Curve::Line { heading, .. } => Some(heading),
+        Curve::Turn { from_heading, sweep, .. } => Some(from_heading + sweep),
+        Curve::Arc { .. } => None,
+    };
+    let position = drive.goal.position;
+    let heading = wrapped(drive.goal.heading.or_else(arrives)?);
+    touched(drive, &position, heading).map(|wall| DrivingError::GoalTouchesWall {
+        position,
+        heading,
+        wall,
+    })
+}

@@ -1,0 +1,156 @@
+//! The gap that keeps the robot farthest from everything, and what it costs.
+
+use super::limits::{balanced_gap, least_width};
+use super::{Drive, DrivingError, Gaps, Path, drive};
+
+/// One point of the trade-off between a short way and a safe one. Metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TradeOff {
+    /// The gap at every corner.
+    pub gap: f64,
+    /// Length of the way.
+    pub length: f64,
+    /// Clearance over the whole motion; infinite without walls.
+    pub clearance: f64,
+    /// Clearance from the first arriving to the last leaving point.
+    pub turning: f64,
+}
+
+/// The safest gap is found to this, metres, where it has no closed form.
+const PRECISION: f64 = 1e-10;
+
+/// Number of gaps tried before the search narrows.
+const TRIALS: usize = 48;
+
+/// Ratio of each to the one before: 48 of them reach down to a millionth.
+const RATIO: f64 = 0.75;
+
+/// The gap, the same at every corner, with the greatest clearance from the first
+/// arriving to the last leaving point, metres; `path` is left with the way it
+/// makes. 0 if there is no corner to keep a gap from.
+///
+/// That is the gap that leaves the same to the corner and to the outer wall in
+/// the narrowest corridor ([`balanced_gap`]) wherever the measured clearance is
+/// that gap and any more of it leaves less. Where corners interact, walls are
+/// not those of the corridors, or start and goal allow less, the measured
+/// clearance is maximised, to 1e-9 m, among the gaps whose guiding circles do
+/// not reach beyond the narrowest corridor.
+pub fn safest(task: &Drive<'_>, path: &mut Path) -> Result<f64, DrivingError> {
+    let narrowest = (0..task.corners.len())
+        .min_by(|&a, &b| task.corners[a].width().total_cmp(&task.corners[b].width()));
+    let Some(narrowest) = narrowest else {
+        drive(task, Gaps::Uniform(0.0), path)?;
+        return Ok(0.0);
+    };
+    let width = task.corners[narrowest].width();
+    let balanced = balanced_gap(&task.footprint, width);
+    let mut turning = |gap: f64| -> Result<f64, DrivingError> {
+        drive(task, Gaps::Uniform(gap), path)?;
+        Ok(path.turning.map_or(f64::INFINITY, |turning| turning.value))
+    };
+    let found = if is_peak(&mut turning, balanced) {
+        balanced
+    } else {
+        let most = width - task.footprint.width() / 2.0;
+        if most <= 0.0 {
+            let needs = least_width(&task.footprint);
+            return Err(DrivingError::CornerTooNarrow { corner: narrowest, has: width, needs });
+        }
+        maximise(&mut turning, most)?
+    };
+    drive(task, Gaps::Uniform(found), path)?;
+    Ok(found)
+}
+
+/// Whether the clearance is `gap` there, and less for a gap beyond.
+fn is_peak(turning: &mut impl FnMut(f64) -> Result<f64, DrivingError>, gap: f64) -> bool {
+    if gap.is_nan() || gap <= 0.0 {
+        return false;
+    }
+    let beyond = turning(gap * (1.0 + 1e-6)).unwrap_or(0.0);
+    beyond < gap && turning(gap).is_ok_and(|there| there >= gap - 1e-12)
+}
+
+/// The gap up to `most` with the greatest clearance: the best of a geometric
+/// series, then golden section between its neighbours. Gaps that are refused
+/// count as clearance 0; the refusal of the least is returned if all are.
+fn maximise(
+    turning: &mut impl FnMut(f64) -> Result<f64, DrivingError>,
+    most: f64,
+) -> Result<f64, DrivingError> {
+    let mut best = (0.0, 0.0);
+    let mut refusal = None;
+    let mut gap = most;
+    for _ in 0..TRIALS {
+        match turning(gap) {
+            Ok(value) if value > best.1 => best = (gap, value),
+            Ok(_) => {}
+            Err(error) => refusal = Some(error),
+        }
+        gap *= RATIO;
+    }
+    if let (true, Some(error)) = (best.1 == 0.0, refusal) {
+        return Err(error);
+    }
+    let mut value = |gap: f64| turning(gap).unwrap_or(0.0);
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let (mut low, mut high) = (best.0 * RATIO, (best.0 / RATIO).min(most));
+    let mut lower = high - golden * (high - low);
+    let mut upper = low + golden * (high - low);
+    let (mut at_lower, mut at_upper) = (value(lower), value(upper));
+    while high - low > PRECISION {
+        // Ties go to the shorter way.
+        if at_lower >= at_upper {
+            (high, upper, at_upper) = (upper, lower, at_lower);
+            lower = high - golden * (high - low);
+            at_lower = value(lower);
+        } else {
+            (low, lower, at_lower) = (lower, upper, at_upper);
+            upper = low + golden * (high - low);
+            at_upper = value(upper);
+        }
+        for (gap, value) in [(lower, at_lower), (upper, at_upper)] {
+            if value > best.1 {
+                best = (gap, value);
+            }
+        }
+    }
+    Ok(best.0)
+}
+
+/// The trade-off between length and clearance at `count` gaps, evenly spaced up
+/// to the safest: the k-th of n is k / n of it, so the shortest way is that of the
+/// n-th part. (There is no shortest of all: a gap must be positive.) `points` is
+/// refilled; a gap that is refused does not lose the others. `path` is left with
+/// the safest way.
+pub fn curve(
+    task: &Drive<'_>,
+    count: usize,
+    path: &mut Path,
+    points: &mut Vec<Result<TradeOff, DrivingError>>,
+) -> Result<(), DrivingError> {
+    points.clear();
+    let safest = safest(task, path)?;
+    if task.corners.is_empty() {
+        // Every gap makes the same way.
+        points.push(Ok(trade_off(safest, path)));
+        return Ok(());
+    }
+    for k in 1..=count {
+        let gap = safest * (k as f64 / count as f64);
+        points.push(drive(task, Gaps::Uniform(gap), path).map(|()| trade_off(gap, path)));
+    }
+    Ok(())
+}
+
+fn trade_off(gap: f64, path: &Path) -> TradeOff {
+    let value = |clearance: Option<crate::clearance::Clearance<2>>| {
+        clearance.map_or(f64::INFINITY, |clearance| clearance.value)
+    };
+    TradeOff {
+        gap,
+        length: path.length(),
+        clearance: value(path.clearance()),
+        turning: value(path.turning()),
+    }
+}

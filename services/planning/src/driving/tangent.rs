@@ -1,0 +1,58 @@
+//! The common tangents of oriented circles: one formula for every straight leg.
+
+use crate::geometry::Vector;
+
+/// A circle that the path runs around: the centre, and the radius with the sign
+/// of the turn, positive where the centre lies to the left of the path. Points
+/// have radius 0. Metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Circle {
+    pub(super) center: Vector<2>,
+    pub(super) signed_radius: f64,
+}
+
+/// A straight leg between two circles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Tangent {
+    /// Where it leaves the first circle.
+    pub(super) from: Vector<2>,
+    /// Where it arrives at the second.
+    pub(super) to: Vector<2>,
+    /// Unit vector along it.
+    pub(super) direction: Vector<2>,
+    /// Metres.
+    pub(super) length: f64,
+}
+
+/// Circles that miss each other by less than this part of their distance count
+/// as touching.
+const TOUCHING: f64 = 1e-12;
+
+/// The tangent from `first` to `second`, passing both on their sides; `None` if
+/// one circle's centre is too close to the other for that.
+///
+/// A line with unit direction u and left normal n = iu touches circle j where
+/// n.c_j = d + q_j. Subtracting, n.D = k with D = c2 - c1 and k = q2 - q1, so that
+/// D = (T + ik) u with the length T = sqrt(|D|^2 - k^2).
+pub(super) fn tangent(first: &Circle, second: &Circle) -> Option<Tangent> {
+    let apart = second.center - first.center;
+    let k = second.signed_radius - first.signed_radius;
+    let square = apart.dot(&apart);
+    let rest = square - k * k;
+    // Also refuses what is not a number.
+    if !(square > 0.0 && rest >= -TOUCHING * square) {
+        return None;
+    }
+    let length = rest.max(0.0).sqrt();
+    let direction = Vector::<2>::new(
+        (apart.x * length + apart.y * k) / square,
+        (apart.y * length - apart.x * k) / square,
+    );
+    let normal = Vector::<2>::new(-direction.y, direction.x);
+    Some(Tangent {
+        from: first.center - normal * first.signed_radius,
+        to: second.center - normal * second.signed_radius,
+        direction,
+        length,
+    })
+}

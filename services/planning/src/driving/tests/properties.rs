@@ -1,0 +1,114 @@
+//! Random corridors: nothing leaves the free space, and the clearance is exact.
+
+use proptest::prelude::*;
+
+use super::scene::{Scene, corridors};
+use crate::clearance::rectangle::tests::{check_densely, pose};
+use crate::driving::{Corner, Gaps, Path, StartTurn, drive};
+use crate::motion::Curve;
+
+/// All corners of the footprint, at many placements, lie in channels.
+fn check_in_free_space(scene: &Scene, curve: &Curve<2>) {
+    let (a, b) = (scene.footprint.length() / 2.0, scene.footprint.width() / 2.0);
+    for index in 0..=40 {
+        let (x, y, heading) = pose(curve, f64::from(index) / 40.0);
+        let (sin, cos) = (libm::sin(heading), libm::cos(heading));
+        for (ahead, left) in [(a, b), (a, -b), (-a, b), (-a, -b), (0.0, 0.0)] {
+            let (x, y) = (x + ahead * cos - left * sin, y + ahead * sin + left * cos);
+            let inside = scene.channels.iter().any(|channel| {
+                let (min, max) = (channel.min(), channel.max());
+                min.x <= x && x <= max.x && min.y <= y && y <= max.y
+            });
+            assert!(inside, "({x}, {y}) is outside on {curve:?}");
+        }
+    }
+}
+
+/// Every leg's clearance against dense placements; the whole from its parts.
+fn check_path(scene: &Scene, path: &Path) {
+    assert_eq!(path.legs().len(), path.leg_clearances().len());
+    let mut least = f64::INFINITY;
+    for (leg, &value) in path.legs().iter().zip(path.leg_clearances()) {
+        check_in_free_space(scene, &leg.curve);
+        check_densely(&scene.footprint, &leg.curve, &scene.walls, 40, value);
+        least = least.min(value);
+    }
+    let whole = path.clearance().unwrap();
+    assert_eq!(whole.value, least);
+    assert!(whole.value > 0.0 && (0.0..=path.length()).contains(&whole.at));
+    assert!(path.turning().unwrap().value >= least);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(30))]
+
+    #[test]
+    fn gaps_up_to_the_balanced_one_are_kept(
+        scene in corridors(50),
+        part in 0.05..1.0,
+        moving in any::<bool>(),
+    ) {
+        let mut scene = scene;
+        scene.start_turn = if moving { StartTurn::WhileMoving } else { StartTurn::InPlace };
+        let gap = part * scene.balanced();
+        let mut path = Path::default();
+        drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+        check_path(&scene, &path);
+        // METHOD 6.3: with g up to g* nothing comes closer than the corners; only
+        // where start or goal are nearer to the inner wall than the guiding circle
+        // the angle is negative, and the body's inner corner comes closer.
+        let rho = scene.footprint.width() / 2.0 + gap;
+        let (first, last) = (&scene.corners[0], scene.corners.last().unwrap());
+        let arriving = first.rule.arriving_angle(&scene.start.position, &first.point, rho);
+        let leaving = last.rule.leaving_angle(&last.point, &scene.goal.position, rho);
+        let (sin, cos) = libm::sincos(arriving.min(leaving).min(0.0));
+        let least = gap * cos + scene.footprint.length() / 2.0 * sin;
+        let turning = path.turning().unwrap().value;
+        prop_assert!(turning >= least - 1e-9, "{turning} is less than {least}");
+    }
+
+    #[test]
+    fn whatever_is_driven_stays_in_the_free_space(
+        scene in corridors(12),
+        parts in prop::collection::vec(0.05..2.5, 12),
+    ) {
+        let gaps: Vec<_> = scene.corners.iter().zip(&parts)
+            .map(|(corner, part)| part * scene.balanced().min(corner.width()))
+            .collect();
+        let mut path = Path::default();
+        if drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut path).is_ok() {
+            check_path(&scene, &path);
+        }
+    }
+
+    #[test]
+    fn same_question_same_answer(scene in corridors(20), other in corridors(50), part in 0.1..0.9) {
+        let gap = Gaps::Uniform(part * scene.balanced());
+        let mut path = Path::default();
+        let first = drive(&scene.drive(), gap, &mut path);
+        let before = path.clone();
+        let _ = drive(&other.drive(), gap, &mut path);
+        prop_assert_eq!(drive(&scene.drive(), gap, &mut path), first);
+        prop_assert_eq!(before.legs(), path.legs());
+        prop_assert_eq!(before.leg_clearances(), path.leg_clearances());
+        prop_assert_eq!((before.clearance(), before.turning()), (path.clearance(), path.turning()));
+    }
+
+    /// METHOD 6.2: the closed forms of a single turn, where its angles are small.
+    #[test]
+    fn single_turn_obeys_the_closed_forms(
+        robot in (0.4..1.2, 0.4..2.0, 0.3..2.5),
+        part in 0.05..0.99,
+    ) {
+        use crate::driving::limits::{greatest_gap, outer_radius};
+        let scene = super::scene::straight_ell(robot);
+        let width = scene.corners.iter().map(Corner::width).fold(f64::INFINITY, f64::min);
+        let gap = part * greatest_gap(&scene.footprint, width);
+        let mut path = Path::default();
+        let scene = super::scene::approached_at(scene, gap);
+        drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+        let wanted = gap.min(width - outer_radius(&scene.footprint, gap));
+        let turning = path.turning().unwrap();
+        prop_assert!((turning.value - wanted).abs() < 1e-12, "{} {wanted}", turning.value);
+    }
+}

@@ -1,0 +1,115 @@
+//! The safest gap, and the curve of length against clearance.
+
+use proptest::prelude::*;
+
+use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_ell};
+use crate::clearance::walls::Wall;
+use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
+use crate::driving::{DrivingError, Gaps, Path, curve, drive, safest};
+
+fn turning(scene: &Scene, gap: f64) -> f64 {
+    let mut path = Path::default();
+    let driven = drive(&scene.drive(), Gaps::Uniform(gap), &mut path);
+    driven.map_or(0.0, |()| path.turning().unwrap().value)
+}
+
+#[test]
+fn limits_of_the_worked_robot() {
+    let robot = corridor_a().footprint;
+    assert_eq!(least_width(&robot), 1.25);
+    assert_eq!(balanced_gap(&robot, 3.0), 119.0 / 128.0);
+    assert_eq!(balanced_gap(&robot, 4.0), 1.44375);
+    assert!((greatest_gap(&robot, 3.0) - 1.904737509655563).abs() < 1e-14);
+    assert!((greatest_gap(&robot, 4.0) - 2.929058411375428).abs() < 1e-14);
+    assert!((outer_radius(&robot, greatest_gap(&robot, 3.0)) - 3.0).abs() < 1e-15);
+}
+
+/// No gap of a fine series leaves more than the one found.
+fn check_unbeaten(scene: &Scene, found: f64, most: f64) {
+    let best = turning(scene, found);
+    for k in 1..=400 {
+        let gap = most * f64::from(k) / 400.0;
+        let other = turning(scene, gap);
+        assert!(other <= best + 1e-9, "{gap} leaves {other}, {found} only {best}");
+    }
+}
+
+#[test]
+fn pillar_beside_the_way_makes_the_gap_smaller() {
+    let mut scene = corridor_a();
+    scene.walls.push(Wall { from: point(1.2, 10.2), to: point(1.3, 10.0) });
+    let mut path = Path::default();
+    let found = safest(&scene.drive(), &mut path).unwrap();
+    assert!(found < 119.0 / 128.0);
+    assert_eq!(path.turning().unwrap().value, turning(&scene, found));
+    check_unbeaten(&scene, found, 1.9);
+}
+
+#[test]
+fn start_near_the_corner_bounds_the_gap() {
+    let mut scene = corridor_a();
+    scene.start.position = point(2.2, 7.3);
+    scene.start.heading = 1.2;
+    let most = libm::hypot(0.8, 0.7) - 0.5;
+    let found = safest(&scene.drive(), &mut Path::default()).unwrap();
+    assert!(found <= most + 1e-12);
+    check_unbeaten(&scene, found, most);
+}
+
+#[test]
+fn corridor_without_a_way_says_why() {
+    let mut scene = corridor_a();
+    scene.walls.push(Wall { from: point(0.0, 5.0), to: point(3.0, 5.0) });
+    let refusal = safest(&scene.drive(), &mut Path::default());
+    assert!(matches!(refusal, Err(DrivingError::WallInTheWay { .. })), "{refusal:?}");
+}
+
+#[test]
+fn no_corner_no_gap() {
+    let mut scene = corridor_a();
+    scene.corners.clear();
+    scene.channels.truncate(1);
+    scene.goal.position = point(1.5, 8.0);
+    let mut path = Path::default();
+    assert_eq!(safest(&scene.drive(), &mut path), Ok(0.0));
+    assert_eq!(path.length(), (point(1.5, 8.0) - point(1.2, 1.5)).norm());
+    let mut points = Vec::new();
+    curve(&scene.drive(), 5, &mut path, &mut points).unwrap();
+    assert_eq!(points.len(), 1);
+}
+
+#[test]
+fn curve_runs_from_short_to_safe() {
+    let mut points = Vec::new();
+    curve(&corridor_a().drive(), 9, &mut Path::default(), &mut points).unwrap();
+    let points: Vec<_> = points.into_iter().map(Result::unwrap).collect();
+    assert_eq!(points.len(), 9);
+    assert_eq!(points[8].gap, 119.0 / 128.0);
+    assert!((points[8].length - 31.917340963672473).abs() < 1e-11);
+    for pair in points.windows(2) {
+        assert!(pair[0].gap < pair[1].gap);
+        assert!(pair[0].length < pair[1].length);
+        assert!(pair[0].turning < pair[1].turning);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn nothing_beats_the_safest_gap(scene in corridors(6)) {
+        let mut path = Path::default();
+        if let Ok(found) = safest(&scene.drive(), &mut path) {
+            let most = scene.corners.iter().map(crate::driving::Corner::width).fold(f64::INFINITY, f64::min);
+            check_unbeaten(&scene, found, most - scene.footprint.width() / 2.0);
+        }
+    }
+
+    #[test]
+    fn single_turn_is_safest_with_the_balanced_gap(robot in (0.4..1.2, 0.4..2.0, 0.3..2.5)) {
+        let scene = straight_ell(robot);
+        let gap = scene.balanced();
+        let scene = approached_at(scene, gap);
+        prop_assert_eq!(safest(&scene.drive(), &mut Path::default()), Ok(gap));
+    }
+}
