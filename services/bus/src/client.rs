@@ -311,3 +311,6 @@ impl Pending<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -32,3 +32,17 @@ use std::time::{SystemTime, UNIX_EPOCH};
 pub fn now_ns() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
 }
+
+#[cfg(test)]
+mod test_domain {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use crate::Domain;
+
+    /// A domain that nobody else uses. The last port that is dropped tidies up.
+    pub(crate) fn test_domain() -> Domain {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        Domain::new(&format!("unit-{}-{count}", std::process::id())).expect("a possible name")
+    }
+}

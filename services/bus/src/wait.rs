@@ -144,3 +144,6 @@ pub(crate) fn handle_signals() -> Result<(), String> {
 pub(crate) fn terminated() -> bool {
     TERMINATED.as_ref().is_ok_and(|flag| flag.load(Ordering::Relaxed))
 }
+
+#[cfg(test)]
+mod tests;
