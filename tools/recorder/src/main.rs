@@ -39,17 +39,12 @@ struct Arguments {
     /// Stop after this time
     #[arg(long = "for", value_name = "TIME", value_parser = humantime::parse_duration)]
     duration: Option<Duration>,
-    /// How much may be lost if the recorder is killed
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration,
-          default_value = default_flush())]
-    flush: Duration,
+    /// How much may be lost if the recorder is killed [default: 250ms]
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    flush: Option<Duration>,
     /// How long to wait for a planner to come up
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "10s")]
     wait: Duration,
-}
-
-fn default_flush() -> String {
-    humantime::format_duration(FLUSH_INTERVAL).to_string()
 }
 
 /// How long the recorder sleeps when nothing is there: the tap's buffer holds far more
@@ -93,6 +88,7 @@ fn run(arguments: &Arguments) -> Result<Summary, Failure> {
     let mut tap = connect(arguments)?;
     let mut writer = Writer::create(&arguments.output, Options { overwrite: arguments.overwrite })?;
     tracing::info!(output = %arguments.output.display(), "recording");
+    let interval = arguments.flush.unwrap_or(FLUSH_INTERVAL);
     let begin = Instant::now();
     let mut flushed = Instant::now();
     loop {
@@ -102,11 +98,11 @@ fn run(arguments: &Arguments) -> Result<Summary, Failure> {
         while let Some(event) = tap.receive() {
             idle = false;
             record(&mut writer, event)?;
-            if flushed.elapsed() >= arguments.flush {
+            if flushed.elapsed() >= interval {
                 break;
             }
         }
-        if flushed.elapsed() >= arguments.flush {
+        if flushed.elapsed() >= interval {
             writer.flush()?;
             flushed = Instant::now();
         }
