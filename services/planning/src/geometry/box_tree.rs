@@ -10,7 +10,7 @@ type Bounds<const D: usize> = (Vector<D>, Vector<D>);
 
 /// A bounding-volume hierarchy over boxes sorted along a Z-order curve.
 ///
-/// Its memory is about `56 D` bytes per box. It is built again in the same memory; the same
+/// It holds `16 + 18 D` bytes per box. It is built again in the same memory; the same
 /// boxes always make the same tree.
 #[derive(Debug, Clone, Default)]
 pub struct BoxTree<const D: usize> {
