@@ -2,6 +2,7 @@
 
 mod assembly;
 mod check;
+mod driving;
 mod parts;
 mod refuse;
 
@@ -13,6 +14,7 @@ use schemas::message::{
 use schemas::wire;
 
 use assembly::Assembly;
+use driving::Driving;
 use parts::{Collect, Parts};
 
 /// The most samples in one trajectory.
@@ -33,6 +35,7 @@ pub struct Workspace {
 struct Answering {
     plane: Assembly<2>,
     space: Assembly<3>,
+    floor: Driving,
 }
 
 impl Default for Workspace {
@@ -109,10 +112,26 @@ impl Answering {
         check::fields(scene)?;
         let wishes = Wishes::of(&scene.clearance)?;
         match (scene.task, dimension) {
-            (Task::Drive, _) => Err(Refusal::invalid("task", "task: driving is not planned yet")),
+            (Task::Drive, 2) => self.floor.answer(key, scene, &wishes, sink),
+            (Task::Drive, _) => {
+                Err(Refusal::invalid("task", "task: robots drive in two dimensions"))
+            }
             (_, 2) => self.plane.answer(key, scene, &wishes, sink),
             (_, _) => self.space.answer(key, scene, &wishes, sink),
         }
+    }
+}
+
+/// A refused answer.
+struct Refused {
+    refusal: Refusal,
+    /// Whether no gap would help, so that the request as a whole is refused.
+    whole: bool,
+}
+
+impl From<Refusal> for Refused {
+    fn from(refusal: Refusal) -> Self {
+        Self { refusal, whole: false }
     }
 }
 

@@ -14,7 +14,7 @@ use schemas::wire::ReplyHeader;
 
 use super::parts::{self, Parts};
 use super::refuse::{self, Axes, PLANE, SPACE};
-use super::{MOST_SAMPLES, Wish, Wishes, check};
+use super::{MOST_SAMPLES, Refused, Wish, Wishes, check};
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
@@ -48,19 +48,6 @@ struct Planned<const D: usize> {
     clearance: Option<Clearance<D>>,
 }
 
-/// A refused answer.
-struct Refused {
-    refusal: Refusal,
-    /// Whether no gap would help, so that the request as a whole is refused.
-    whole: bool,
-}
-
-impl From<Refusal> for Refused {
-    fn from(refusal: Refusal) -> Self {
-        Self { refusal, whole: false }
-    }
-}
-
 impl Assembly<2> {
     /// Answers a request for a body in the plane. `Err`: the request as a whole is
     /// refused, and nothing has been sent.
@@ -71,21 +58,7 @@ impl Assembly<2> {
         wishes: &Wishes,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        self.walls.clear();
-        for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
-            match solid {
-                Solid::Box(sides) => {
-                    let field = || format!("free_space.solids[{index}].box");
-                    self.walls.push_box(&check::axis_box(field, &PLANE, sides)?);
-                }
-                Solid::Polygon(vertices) => {
-                    let field = || format!("free_space.solids[{index}].polygon");
-                    let polygon = check::polygon(field, vertices, &mut self.solid)?;
-                    self.walls.push_polygon(&polygon);
-                    self.solid = polygon.into_vertices();
-                }
-            }
-        }
+        check::push_solids(scene, &PLANE, &mut self.solid, &mut self.walls)?;
         match &scene.body {
             message::Body::Polygon(vertices) => {
                 let body = check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;

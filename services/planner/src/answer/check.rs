@@ -3,10 +3,11 @@
 
 use std::mem;
 
+use planning::clearance::walls::Walls;
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, Refusal, SceneRequest, Task};
+use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 
 use super::refuse::{self, Axes};
 
@@ -85,6 +86,42 @@ pub(super) fn polygon(
         let message = format!("{field}: {error}");
         Refusal::invalid(field, message)
     })
+}
+
+/// Fills `walls` with the scene's solids in the plane; whether there are any.
+pub(super) fn push_solids(
+    scene: &SceneRequest,
+    axes: &Axes,
+    memory: &mut Vec<Vector<2>>,
+    walls: &mut Walls<2>,
+) -> Result<bool, Refusal> {
+    walls.clear();
+    let solids = scene.free_space.solids.as_deref().unwrap_or_default();
+    for (index, solid) in solids.iter().enumerate() {
+        match solid {
+            Solid::Box(sides) => {
+                let field = || format!("free_space.solids[{index}].box");
+                walls.push_box(&axis_box(field, axes, sides)?);
+            }
+            Solid::Polygon(vertices) => {
+                let field = || format!("free_space.solids[{index}].polygon");
+                let solid = polygon(field, vertices, memory)?;
+                walls.push_polygon(&solid);
+                *memory = solid.into_vertices();
+            }
+        }
+    }
+    Ok(!solids.is_empty())
+}
+
+/// Refuses numbers that are none.
+pub(super) fn finite(field: &str, values: &[f64]) -> Result<(), Refusal> {
+    match values.iter().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => {
+            Err(Refusal::invalid(field, format!("{field}: {value} is not a finite number")))
+        }
+    }
 }
 
 /// A point of the scene's dimension.

@@ -2,20 +2,23 @@
 
 use planning::clearance::Clearance;
 use planning::disassembly::DisassemblyError;
+use planning::driving::DrivingError;
 use planning::free_space::ChainError;
 use planning::geometry::BoxError;
 use planning::trajectory::{LimitError, SamplingError};
 use schemas::message::{ErrorCode, Refusal};
 
-use super::MOST_SAMPLES;
+use super::{MOST_SAMPLES, Refused};
 
 /// Which coordinate of a scene is which axis: 0 x, 1 y, 2 z.
 pub(super) type Axes = [u32; 3];
 
 /// Assembly in two dimensions lives in (x, z).
 pub(super) const PLANE: Axes = [0, 2, 1];
-/// Driving lives in (x, y), assembly in three dimensions in (x, y, z).
+/// Assembly in three dimensions lives in (x, y, z).
 pub(super) const SPACE: Axes = [0, 1, 2];
+/// Driving lives in (x, y).
+pub(super) const FLOOR: Axes = [0, 1, 2];
 
 fn letter(axes: &Axes, coordinate: usize) -> char {
     ['x', 'y', 'z'][axes[coordinate] as usize]
@@ -122,6 +125,70 @@ pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -
             Refusal::new(ErrorCode::Internal, error.to_string())
         }
     }
+}
+
+pub(super) fn driving(field: String, error: DrivingError) -> Refused {
+    let refusal = |code| Refusal::new(code, error.to_string());
+    let corner = |corner: usize| Some(corner as u64);
+    let (refusal, whole) = match error {
+        DrivingError::BodyOutside { .. } | DrivingError::BodyTouchesWall { .. } => {
+            (refusal(ErrorCode::BodyOutsideFreeSpace), true)
+        }
+        DrivingError::GoalOutside { .. } => (refusal(ErrorCode::GoalOutsideFreeSpace), true),
+        DrivingError::GoalTouchesWall { heading, .. } => {
+            let heading = Some(heading);
+            (Refusal { heading, ..refusal(ErrorCode::GoalOutsideFreeSpace) }, false)
+        }
+        DrivingError::GapCount { has, needs } => {
+            let (has, needs) = (Some(has as f64), Some(needs as f64));
+            (Refusal { has, needs, ..Refusal::invalid(field, error.to_string()) }, false)
+        }
+        DrivingError::GapOutOfRange { corner: at, gap, least, most } => {
+            let refusal = Refusal {
+                field: Some(field),
+                junction: corner(at),
+                has: Some(gap),
+                least: Some(least),
+                most: Some(most),
+                ..refusal(ErrorCode::GapOutOfRange)
+            };
+            (refusal, false)
+        }
+        DrivingError::CornersTooClose { first, has, needs, most, .. } => {
+            let refusal = Refusal {
+                junction: corner(first),
+                needs: Some(needs),
+                has: Some(has),
+                most: Some(most),
+                ..refusal(ErrorCode::CornersTooClose)
+            };
+            (refusal, false)
+        }
+        DrivingError::CornerNotPassed { corner: at, sweep } => {
+            let (needs, has) = (Some(0.0), Some(sweep));
+            let refusal = refusal(ErrorCode::CornersTooClose);
+            (Refusal { junction: corner(at), needs, has, ..refusal }, false)
+        }
+        DrivingError::CornerTooNarrow { corner: at, has, needs } => {
+            let (needs, has) = (Some(needs), Some(has));
+            let refusal = refusal(ErrorCode::JunctionTooSmall);
+            (Refusal { junction: corner(at), needs, has, ..refusal }, true)
+        }
+        DrivingError::TurnBlocked { heading, free, .. } => {
+            let refusal = Refusal {
+                needs: Some(heading),
+                has: Some(free),
+                heading: Some(free),
+                ..refusal(ErrorCode::TurnBlocked)
+            };
+            (refusal, false)
+        }
+        DrivingError::WallInTheWay { .. } => {
+            let refusal = refusal(ErrorCode::WallInTheWay);
+            (Refusal { needs: Some(0.0), has: Some(0.0), ..refusal }, false)
+        }
+    };
+    Refused { refusal, whole }
 }
 
 pub(super) fn wall_in_the_way<const D: usize>(near: &Clearance<D>) -> Refusal {

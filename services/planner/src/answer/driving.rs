@@ -1,0 +1,225 @@
+//! Driving: the rectangular mobile robot through corridors (paper, section 5).
+
+use planning::clearance::rectangle::Footprint;
+use planning::clearance::walls::Walls;
+use planning::driving::{self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of};
+use planning::free_space::{Chain, End};
+use planning::geometry::AxisBox;
+use planning::trajectory::{Limits, Profile, Sampling, Stops};
+use schemas::convert::{PartSink, TrajectoryWriter};
+use schemas::message::{self, Body, Gap, Refusal, RequestKey, SceneRequest};
+use schemas::wire::ReplyHeader;
+
+use super::parts::{self, Parts};
+use super::refuse::{self, FLOOR};
+use super::{MOST_SAMPLES, Wish, Wishes, check};
+
+/// Memory for driving tasks.
+#[derive(Debug, Default)]
+pub(super) struct Driving {
+    solid: Vec<planning::geometry::Vector<2>>,
+    channels: Vec<AxisBox<2>>,
+    chain: Chain<2>,
+    corners: Vec<Corner>,
+    walls: Walls<2>,
+    /// The gap at every corner of the answer at hand, metres.
+    gaps: Vec<f64>,
+    path: Path,
+    profile: Profile,
+}
+
+/// What all answers to a request share.
+struct Terms {
+    footprint: Footprint,
+    start: driving::Pose,
+    goal: driving::Goal,
+    start_turn: StartTurn,
+    limits: Limits,
+    sampling: Sampling,
+}
+
+impl Driving {
+    /// Answers a request for a mobile robot. `Err`: the request as a whole is refused, and
+    /// nothing has been sent.
+    pub(super) fn answer<S: PartSink>(
+        &mut self,
+        key: RequestKey,
+        scene: &SceneRequest,
+        wishes: &Wishes,
+        sink: &mut S,
+    ) -> Result<Result<(), S::Error>, Refusal> {
+        let terms = Terms::of(scene)?;
+        self.channels.clear();
+        for (index, sides) in scene.free_space.channels.iter().flatten().enumerate() {
+            let field = || format!("free_space.channels[{index}]");
+            self.channels.push(check::axis_box(field, &FLOOR, sides)?);
+        }
+        self.chain
+            .build(&self.channels, &terms.start.position, End::Goal(terms.goal.position))
+            .map_err(|error| refuse::chain(&FLOOR, error))?;
+        corners_of(&self.chain, &mut self.corners);
+        match check::push_solids(scene, &FLOOR, &mut self.solid, &mut self.walls)? {
+            true => self.walls.index(),
+            false => self.walls.set_complement(&self.channels, None),
+        }
+
+        let mut safest = None;
+        let mut parts = Parts::new(key, scene.id, wishes.count, sink);
+        for index in 0..wishes.count {
+            let last = index + 1 == wishes.count;
+            let sent = match self.plan(&terms, wishes, index, &mut safest) {
+                Ok(()) => self.send(&terms, wishes.sampled(), last, &mut parts),
+                Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
+                    return Err(refused.refusal);
+                }
+                Err(refused) => parts.refuse(&refused.refusal, last),
+            };
+            if sent.is_err() {
+                return Ok(sent);
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// Plans one answer; `path`, `gaps` and `profile` then hold it. `safest` is sought
+    /// once for all answers that want it.
+    fn plan(
+        &mut self,
+        terms: &Terms,
+        wishes: &Wishes,
+        index: u32,
+        safest: &mut Option<f64>,
+    ) -> Result<(), super::Refused> {
+        let Self { chain, corners, walls, gaps, path, profile, .. } = self;
+        let channels = chain.channels();
+        let task = Drive {
+            footprint: terms.footprint,
+            start: terms.start,
+            goal: terms.goal,
+            start_turn: terms.start_turn,
+            first: channels[0],
+            last: channels[channels.len() - 1],
+            corners,
+            walls,
+        };
+        let refused = |error: DrivingError| refuse::driving(wishes.field(index), error);
+        gaps.clear();
+        match wishes.get(index) {
+            Wish::Gap(gap) => {
+                let gap = one_number(gap).ok_or_else(|| wrong_gap(wishes.field(index)))?;
+                gaps.resize(corners.len(), gap);
+            }
+            Wish::Gaps(list) => {
+                for (corner, gap) in list.iter().enumerate() {
+                    let field = || format!("{}[{corner}]", wishes.field(index));
+                    gaps.push(one_number(*gap).ok_or_else(|| wrong_gap(field()))?);
+                }
+            }
+            wish @ (Wish::Safest | Wish::Fraction(_)) => {
+                let safest = match *safest {
+                    Some(safest) => safest,
+                    None => *safest.insert(driving::safest(&task, path).map_err(refused)?),
+                };
+                let fraction = if let Wish::Fraction(fraction) = wish { fraction } else { 1.0 };
+                gaps.resize(corners.len(), safest * fraction);
+            }
+        }
+        driving::drive(&task, Gaps::PerCorner(gaps), path).map_err(refused)?;
+        profile.plan(path.legs(), &terms.limits, Stops::AtTurns);
+        if wishes.sampled() {
+            let samples = profile.sample_count(terms.sampling);
+            if samples > MOST_SAMPLES {
+                return Err(refuse::too_many_samples(samples).into());
+            }
+        }
+        Ok(())
+    }
+
+    fn send<S: PartSink>(
+        &self,
+        terms: &Terms,
+        sampled: bool,
+        last: bool,
+        parts: &mut Parts<S>,
+    ) -> Result<(), S::Error> {
+        let Self { path, gaps, profile, channels, .. } = self;
+        let still = Profile::default();
+        let samples = match sampled {
+            true => profile.samples(path.legs(), terms.sampling),
+            false => still.samples(&[], terms.sampling),
+        };
+        let legs = path.legs().iter().zip(path.leg_clearances());
+        let lists = TrajectoryWriter {
+            gaps: gaps.iter().copied(),
+            route: (0..channels.len()).map(|channel| channel as u64),
+            channels: std::iter::empty(),
+            legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
+            samples: samples.map(|state| parts::sample(&state)),
+        };
+        let fill = |header: &mut ReplyHeader| {
+            header.dimension = 2;
+            header.gaps_per_junction = 1;
+            header.length = path.length();
+            header.duration = profile.duration();
+            parts::clearance(header, path.clearance().as_ref());
+        };
+        parts.trajectory(fill, lists, last)
+    }
+}
+
+impl Terms {
+    fn of(scene: &SceneRequest) -> Result<Self, Refusal> {
+        let Body::Footprint(footprint) = &scene.body else {
+            return Err(Refusal::invalid("body", "body: a mobile robot's body is a footprint"));
+        };
+        let footprint = Footprint::new(footprint.width, footprint.length).map_err(|error| {
+            let message = format!("body.footprint: {error}");
+            let least = error.width.min(error.length);
+            Refusal {
+                has: Some(least),
+                least: Some(0.0),
+                ..Refusal::invalid("body.footprint", message)
+            }
+        })?;
+        let Some(start) = scene.start else {
+            return Err(Refusal::invalid("start", "start is missing: a drive needs a start pose"));
+        };
+        let Some(goal) = scene.goal else {
+            return Err(Refusal::invalid("goal", "goal is missing: a drive needs a goal"));
+        };
+        check::finite("start.position", start.position.as_slice())?;
+        check::finite("start.heading", &[start.heading])?;
+        check::finite("goal.position", goal.position.as_slice())?;
+        check::finite("goal.heading", goal.heading.as_slice())?;
+        Ok(Self {
+            footprint,
+            start: driving::Pose {
+                position: check::vector(&start.position),
+                heading: start.heading,
+            },
+            goal: driving::Goal { position: check::vector(&goal.position), heading: goal.heading },
+            start_turn: match scene.start_turn {
+                None | Some(message::StartTurn::InPlace) => StartTurn::InPlace,
+                Some(message::StartTurn::WhileMoving) => StartTurn::WhileMoving,
+            },
+            limits: check::limits(&scene.limits)?,
+            sampling: check::sampling(scene.sampling)?,
+        })
+    }
+}
+
+/// A robot keeps one gap from a corner, in all directions.
+fn one_number(gap: Gap) -> Option<f64> {
+    match gap {
+        Gap::Uniform(gap) => Some(gap),
+        Gap::PerAxis(gaps) => match gaps.as_slice() {
+            [gap] => Some(*gap),
+            _ => None,
+        },
+    }
+}
+
+fn wrong_gap(field: String) -> Refusal {
+    let message = format!("{field}: a robot keeps one gap (one number) from each corner");
+    Refusal::invalid(field, message)
+}
