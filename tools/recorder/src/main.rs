@@ -3,11 +3,12 @@
 use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use bus::{ConnectError, Domain, TapEvent, TapMessage, TapReader};
+use bus::Domain;
 use clap::Parser;
-use recording::{FLUSH_INTERVAL, Options, Summary, WriteError, Writer};
+use recorder::Settings;
+use recording::FLUSH_INTERVAL;
 use tracing_subscriber::EnvFilter;
 
 /// Logs all requests and replies of a planner to an MCAP file until told to stop
@@ -47,10 +48,6 @@ struct Arguments {
     wait: Duration,
 }
 
-/// How long the recorder sleeps when nothing is there: the tap's buffer holds far more
-/// than comes meanwhile.
-const IDLE: Duration = Duration::from_millis(1);
-
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     tracing_subscriber::fmt()
@@ -59,7 +56,15 @@ fn main() -> ExitCode {
         .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| "info".into()))
         .init();
     bus::forward_to_tracing();
-    match run(&arguments) {
+    let settings = Settings {
+        output: arguments.output.clone(),
+        domain: arguments.domain.unwrap_or_default(),
+        overwrite: arguments.overwrite,
+        duration: arguments.duration,
+        flush: arguments.flush.unwrap_or(FLUSH_INTERVAL),
+        wait: arguments.wait,
+    };
+    match recorder::run(&settings) {
         Ok(summary) => {
             println!(
                 "{}: {} messages recorded, {} lost",
@@ -73,87 +78,5 @@ fn main() -> ExitCode {
             eprintln!("recorder: {error}");
             ExitCode::FAILURE
         }
-    }
-}
-
-#[derive(Debug, thiserror::Error)]
-enum Failure {
-    #[error(transparent)]
-    Connect(#[from] ConnectError),
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
-
-fn run(arguments: &Arguments) -> Result<Summary, Failure> {
-    let mut tap = connect(arguments)?;
-    let mut writer = Writer::create(&arguments.output, Options { overwrite: arguments.overwrite })?;
-    tracing::info!(output = %arguments.output.display(), "recording");
-    let interval = arguments.flush.unwrap_or(FLUSH_INTERVAL);
-    let begin = Instant::now();
-    let mut flushed = Instant::now();
-    loop {
-        let mut idle = true;
-        // Asked before looking, so that what came before the signal is taken.
-        let stop = tap.terminated() || arguments.duration.is_some_and(|d| begin.elapsed() >= d);
-        while let Some(event) = tap.receive() {
-            idle = false;
-            record(&mut writer, event)?;
-            if flushed.elapsed() >= interval {
-                break;
-            }
-        }
-        if flushed.elapsed() >= interval {
-            writer.flush()?;
-            flushed = Instant::now();
-        }
-        if stop && idle {
-            return Ok(writer.finish()?);
-        }
-        if idle {
-            std::thread::sleep(IDLE);
-        }
-    }
-}
-
-fn connect(arguments: &Arguments) -> Result<TapReader, ConnectError> {
-    let domain = arguments.domain.clone().unwrap_or_default();
-    let until = Instant::now() + arguments.wait;
-    let mut told = false;
-    loop {
-        match TapReader::connect(&domain) {
-            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until => {
-                if !told {
-                    tracing::info!(%domain, "waiting for a planner");
-                    told = true;
-                }
-                std::thread::sleep(Duration::from_millis(50));
-            }
-            done => return done,
-        }
-    }
-}
-
-fn record(writer: &mut Writer, event: TapEvent) -> Result<(), WriteError> {
-    let log_ns = bus::now_ns();
-    let written = match event {
-        TapEvent::Message(TapMessage::Request(request)) => writer.write_request(&request, log_ns),
-        TapEvent::Message(TapMessage::Reply(part)) => writer.write_reply(&part, log_ns),
-        TapEvent::Lost { messages } => {
-            tracing::warn!(messages, "lost: they came too fast");
-            writer.lost(messages);
-            Ok(())
-        }
-        TapEvent::Restarted => {
-            tracing::warn!("another planner took over");
-            Ok(())
-        }
-    };
-    match written {
-        // Counted as lost by the writer; the others go on.
-        Err(error @ WriteError::TooLarge { .. }) => {
-            tracing::warn!(%error, "lost");
-            Ok(())
-        }
-        done => done,
     }
 }
