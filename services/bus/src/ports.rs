@@ -142,7 +142,7 @@ pub(crate) fn open_answered(node: &Node<ipc::Service>) -> Result<Bell, String> {
 
 /// The most shared memory that the planner's side can come to use, bytes: every
 /// buffer full of the largest messages. What is never used is never taken.
-pub(crate) fn most_memory(options: &ServerOptions) -> u64 {
+pub fn most_memory(options: &ServerOptions) -> u64 {
     // iceoryx2's own count: a server may still hold as many requests as it answers.
     let answers = options.max_clients * 2 * options.requests_per_client;
     let reply_parts = answers * (REPLY_BUFFER + BORROWED + 1);
