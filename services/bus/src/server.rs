@@ -319,7 +319,8 @@ impl PartSink for ReplySink<'_> {
             return Err(ReplyError::Gone);
         }
         let bus = |error| ReplyError::Bus(ports::said(error));
-        let mut response = self.active.loan_slice_uninit(cells).map_err(|error| bus(error.into()))?;
+        let mut response =
+            self.active.loan_slice_uninit(cells).map_err(|error| bus(error.into()))?;
         let header = wire::ReplyHeader { sent_ns: crate::now_ns(), ..*header };
         response.user_header_mut().0 = header;
         let payload = response.payload_mut();

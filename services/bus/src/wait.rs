@@ -91,11 +91,7 @@ enum Ended {
 ///
 /// The bell is silenced *before* the last look: whoever rings afterwards wakes the
 /// sleeper. The other way round, what came between look and silence would be slept over.
-fn sleep(
-    bell: &Listener<ipc::Service>,
-    end: Instant,
-    mut ready: impl FnMut() -> bool,
-) -> Ended {
+fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() -> bool) -> Ended {
     silence(bell);
     for most in [NAP, NET] {
         if ready() {

@@ -138,10 +138,8 @@ fn undrained() -> impl FnMut(&Listener<ipc::Service>, &mut dyn FnMut() -> bool) 
         let descriptor = bell.file_descriptor();
         #[expect(unsafe_code, reason = "the descriptor is the listener's")]
         // SAFETY: the listener outlives this call.
-        let descriptor =
-            unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) };
-        let mut polled =
-            [rustix::event::PollFd::new(&descriptor, rustix::event::PollFlags::IN)];
+        let descriptor = unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) };
+        let mut polled = [rustix::event::PollFd::new(&descriptor, rustix::event::PollFlags::IN)];
         let net = rustix::time::Timespec { tv_sec: 0, tv_nsec: NET.as_nanos() as _ };
         let rung = rustix::event::poll(&mut polled, Some(&net)).unwrap() > 0;
         bell.try_wait(|_| {}).unwrap();

@@ -95,8 +95,6 @@ fn another_layout_does_not_connect() {
         .request_response::<[u64], [u64]>()
         .request_user_header::<other::RequestHeader>()
         .response_user_header::<other::ReplyHeader>()
-        .request_payload_alignment(Alignment::new(64).unwrap())
-        .response_payload_alignment(Alignment::new(64).unwrap())
         .open();
     assert_eq!(opened.err(), Some(RequestResponseOpenError::IncompatibleRequestOrResponseType));
 }

@@ -21,7 +21,8 @@ fn check_announced(options: &ServerOptions) {
 fn the_announced_memory_is_what_can_be_used() {
     check_announced(&ServerOptions::default());
     let (max_clients, requests_per_client, tap_buffer) = (3, 1, 16);
-    let small = ServerOptions { max_clients, requests_per_client, tap_buffer, ..Default::default() };
+    let small =
+        ServerOptions { max_clients, requests_per_client, tap_buffer, ..Default::default() };
     check_announced(&small);
     check_announced(&ServerOptions { max_recorders: 5, ..small });
 }

@@ -53,8 +53,7 @@ fn open_requests_are_answered_each() {
     let _planner = Planner::start(&test.domain, ServerOptions::default());
     let client = Client::connect(&test.domain, Wait::Event).unwrap();
     let until = Instant::now() + LONG;
-    let mut open: Vec<_> =
-        (0..4).map(|id| client.send(&scene(id, 2_000 * id)).unwrap()).collect();
+    let mut open: Vec<_> = (0..4).map(|id| client.send(&scene(id, 2_000 * id)).unwrap()).collect();
     assert!(client.send(&scene(4, 1)).is_err(), "a fifth is one too many");
     for (id, pending) in open.iter_mut().enumerate().rev() {
         let key = pending.key();

@@ -169,10 +169,7 @@ pub fn trajectory(id: u64, samples: u64) -> Trajectory {
         length: id as f64,
         gaps: vec![0.1, 0.2],
         route: vec![id, 1],
-        clearance: schemas::message::Clearance {
-            wall: [1.0, 2.0].into(),
-            ..Default::default()
-        },
+        clearance: schemas::message::Clearance { wall: [1.0, 2.0].into(), ..Default::default() },
         samples: (0..samples).map(|index| sample(id, index)).collect(),
         ..Trajectory::default()
     }
