@@ -224,13 +224,15 @@ pub const SAMPLE_CELLS: usize = size_of::<Sample>() / 8;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TapHeader {
-    /// Counts all messages of the tap; a gap is a loss.
+    /// Counts the bus messages; a gap is a loss. A heartbeat has the number of the message
+    /// that comes next.
     pub sequence: u64,
     /// When the planner took (request) or sent (reply) the message, nanoseconds
     /// since the Unix epoch.
     pub time_ns: u64,
     /// 0 a request, 1 a part of a reply, 2 a heartbeat without payload.
     pub kind: u32,
-    /// Long messages are cut: bit 0 where one begins, bit 1 where it ends.
+    /// Long messages are cut into pieces of one sequence number: bit 0 where the message
+    /// ends, above it the piece's number from 0.
     pub piece: u32,
 }

@@ -22,6 +22,7 @@ pub mod wait;
 pub use client::{CallError, Client, ConnectError, Pending};
 pub use domain::{Domain, DomainError};
 pub use log::forward_to_tracing;
+pub use ports::most_memory;
 pub use server::{Incoming, OpenError, ReplyError, ReplyOptions, ReplySink, Server, ServerOptions};
 pub use tap::{TapEvent, TapMessage, TapReader};
 pub use wait::{Wait, Woken};

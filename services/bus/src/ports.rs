@@ -1,6 +1,9 @@
 //! The services' settings, all of them: peers must agree on these exactly.
+//!
+//! Payloads have the alignment of their cells. To ask for a cache line would have
+//! iceoryx2 reserve one for every cell.
 
-use iceoryx2::prelude::{Alignment, Node, ServiceName, ipc};
+use iceoryx2::prelude::{Node, ServiceName, ipc};
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use schemas::topic;
 
@@ -11,11 +14,6 @@ pub(crate) type Plan =
     request_response::PortFactory<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 pub(crate) type Tap = publish_subscribe::PortFactory<ipc::Service, [u64], TapHeader>;
 pub(crate) type Bell = event::PortFactory<ipc::Service>;
-
-/// Payloads start on a cache line.
-fn cache_line() -> Alignment {
-    Alignment::new(64).expect("a power of two")
-}
 
 fn name(name: &str) -> ServiceName {
     ServiceName::new(name).expect("topic names are valid")
@@ -43,8 +41,6 @@ pub(crate) fn create_plan(
         .request_response::<[u64], [u64]>()
         .request_user_header::<RequestHeader>()
         .response_user_header::<ReplyHeader>()
-        .request_payload_alignment(cache_line())
-        .response_payload_alignment(cache_line())
         // Nothing vanishes silently: a full buffer is the sender's to deal with.
         .enable_safe_overflow_for_requests(false)
         .enable_safe_overflow_for_responses(false)
@@ -65,8 +61,6 @@ pub(crate) fn open_plan(node: &Node<ipc::Service>) -> Result<Plan, String> {
         .request_response::<[u64], [u64]>()
         .request_user_header::<RequestHeader>()
         .response_user_header::<ReplyHeader>()
-        .request_payload_alignment(cache_line())
-        .response_payload_alignment(cache_line())
         .open()
         .map_err(said)
 }
@@ -78,7 +72,6 @@ pub(crate) fn create_tap(
     node.service_builder(&name(topic::TAP))
         .publish_subscribe::<[u64]>()
         .user_header::<TapHeader>()
-        .payload_alignment(cache_line())
         // A slow recorder loses the oldest messages, and counts them; it never slows
         // the planner.
         .enable_safe_overflow(true)
@@ -96,7 +89,6 @@ pub(crate) fn open_tap(node: &Node<ipc::Service>) -> Result<Tap, String> {
     node.service_builder(&name(topic::TAP))
         .publish_subscribe::<[u64]>()
         .user_header::<TapHeader>()
-        .payload_alignment(cache_line())
         .open()
         .map_err(said)
 }
@@ -141,12 +133,14 @@ pub(crate) fn open_answered(node: &Node<ipc::Service>) -> Result<Bell, String> {
 }
 
 /// The most shared memory that the planner's side can come to use, bytes: every
-/// buffer full of the largest messages. What is never used is never taken.
-pub(crate) fn most_memory(options: &ServerOptions) -> u64 {
+/// buffer full of the largest messages. What is never used is never taken. What clients
+/// take for their requests is theirs to choose, and comes on top.
+pub fn most_memory(options: &ServerOptions) -> u64 {
     // iceoryx2's own count: a server may still hold as many requests as it answers.
-    let answers = options.max_clients * 2 * options.requests_per_client;
-    let reply_parts = answers * (REPLY_BUFFER + BORROWED + 1);
-    let tap_messages = options.max_recorders * (options.tap_buffer + TAP_BORROWED) + 1;
+    let answers = options.max_clients.saturating_mul(2 * options.requests_per_client);
+    let reply_parts = answers.saturating_mul(REPLY_BUFFER + BORROWED + 1);
+    let tap_messages =
+        options.max_recorders.saturating_mul(options.tap_buffer.saturating_add(TAP_BORROWED)) + 1;
     let message = (schemas::wire::PART_CELLS * 8 + 512) as u64;
-    (reply_parts as u64 + tap_messages as u64) * message
+    (reply_parts as u64).saturating_add(tap_messages as u64).saturating_mul(message)
 }

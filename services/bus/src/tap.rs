@@ -33,10 +33,6 @@ const REQUEST: u32 = 0;
 const REPLY: u32 = 1;
 const BEAT: u32 = 2;
 
-/// [`wire::TapHeader::piece`]: the message begins here; it ends here.
-const BEGINS: u32 = 1;
-const ENDS: u32 = 2;
-
 /// The planner's end of the tap.
 #[derive(Debug)]
 pub(crate) struct TapWriter {
@@ -78,42 +74,61 @@ impl TapWriter {
     pub(crate) fn heartbeat(&mut self) {
         if self.beaten.elapsed() >= HEARTBEAT && self.listened_to() {
             self.beaten = Instant::now();
-            self.send(BEAT, BEGINS | ENDS, &[], &[]);
+            self.send(BEAT, self.sequence, Piece { index: 0, ends: true }, &[], &[]);
         }
     }
 
     fn publish(&mut self, kind: u32, mut head: &[u64], mut cells: &[u64]) {
-        let mut piece = BEGINS;
-        loop {
+        let sequence = self.sequence;
+        self.sequence += 1;
+        for index in 0.. {
             let (now, later) = cells.split_at(cells.len().min(MESSAGE_CELLS - head.len()));
-            piece |= if later.is_empty() { ENDS } else { 0 };
-            self.send(kind, piece, head, now);
-            if later.is_empty() {
+            let piece = Piece { index, ends: later.is_empty() };
+            self.send(kind, sequence, piece, head, now);
+            if piece.ends {
                 return;
             }
-            (piece, head, cells) = (0, &[], later);
+            (head, cells) = (&[], later);
         }
     }
 
-    fn send(&mut self, kind: u32, piece: u32, head: &[u64], cells: &[u64]) {
-        let header =
-            wire::TapHeader { sequence: self.sequence, time_ns: crate::now_ns(), kind, piece };
-        if kind != BEAT {
-            self.sequence += 1;
+    /// Not sent is lost, and shows in the sequence.
+    fn send(&mut self, kind: u32, sequence: u64, piece: Piece, head: &[u64], cells: &[u64]) {
+        let mut sample = match self.port.loan_slice_uninit(head.len() + cells.len()) {
+            Ok(sample) => sample,
+            Err(error) => return tracing::warn!(?error, "the tap lost a message"),
+        };
+        let piece = piece.code();
+        sample.user_header_mut().0 =
+            wire::TapHeader { sequence, time_ns: crate::now_ns(), kind, piece };
+        let (first, second) = sample.payload_mut().split_at_mut(head.len());
+        first.write_copy_of_slice(head);
+        second.write_copy_of_slice(cells);
+        #[expect(unsafe_code, reason = "two slices are copied into one")]
+        // SAFETY: all cells are written.
+        let written = unsafe { sample.assume_init() };
+        if let Err(error) = written.send() {
+            tracing::warn!(?error, "the tap lost a message");
         }
-        // Not sent is lost, and shows in the sequence.
-        match self.port.loan_slice_uninit(head.len() + cells.len()) {
-            Ok(mut sample) => {
-                sample.user_header_mut().0 = header;
-                let written = sample.write_from_fn(|at| {
-                    head.get(at).copied().unwrap_or_else(|| cells[at - head.len()])
-                });
-                if let Err(error) = written.send() {
-                    tracing::warn!(?error, "the tap lost a message");
-                }
-            }
-            Err(error) => tracing::warn!(?error, "the tap lost a message"),
-        }
+    }
+}
+
+/// Which piece of a message this is, as in [`wire::TapHeader::piece`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Piece {
+    /// Counts the message's pieces, from 0.
+    index: u32,
+    /// Whether the message ends with it.
+    ends: bool,
+}
+
+impl Piece {
+    fn code(self) -> u32 {
+        self.index << 1 | u32::from(self.ends)
+    }
+
+    fn from_code(code: u32) -> Self {
+        Self { index: code >> 1, ends: code & 1 != 0 }
     }
 }
 
@@ -149,8 +164,8 @@ pub struct TapReader {
     port: Subscriber<ipc::Service, [u64], TapHeader>,
     /// Whose sequence is being followed.
     publisher: Option<UniquePublisherId>,
-    /// The sequence number that comes next; none before the first message.
-    next: Option<u64>,
+    /// None before the first message.
+    place: Option<Place>,
     /// A message that is not complete yet.
     begun: Vec<u64>,
     /// An event that waits behind a loss.
@@ -171,7 +186,7 @@ impl TapReader {
         Ok(Self {
             port,
             publisher: None,
-            next: None,
+            place: None,
             begun: Vec::new(),
             waiting: None,
             _tidy: Tidy(domain.clone()),
@@ -199,19 +214,25 @@ impl TapReader {
             let header = sample.user_header().0;
             let publisher = sample.header().publisher_id();
             let restarted = self.publisher.replace(publisher).is_some_and(|old| old != publisher);
-            let expected = self.next.filter(|_| !restarted).unwrap_or(header.sequence);
-            let beat = header.kind == BEAT;
-            self.next = Some(if beat { header.sequence } else { header.sequence.wrapping_add(1) });
-            let lost = header.sequence.wrapping_sub(expected);
-            let gap = match (restarted, lost) {
-                (true, _) => Some(TapEvent::Restarted),
-                (false, 0) => None,
-                (false, messages) => Some(TapEvent::Lost { messages }),
-            };
-            if gap.is_some() {
-                self.begun.clear();
+            if restarted {
+                self.place = None;
             }
-            let message = if beat { None } else { self.assemble(&header, sample.payload()) };
+            let piece = match header.kind {
+                BEAT => None,
+                _ => Some(Piece::from_code(header.piece)),
+            };
+            let place = self.place.unwrap_or(Place { message: header.sequence, pieces: 0 });
+            let (step, next) = place.step(header.sequence, piece);
+            self.place = Some(next);
+            let gap = match step.lost {
+                _ if restarted => Some(TapEvent::Restarted),
+                0 => None,
+                messages => Some(TapEvent::Lost { messages }),
+            };
+            let message = match piece {
+                Some(piece) if step.keep => self.assemble(&header, piece, sample.payload()),
+                _ => None,
+            };
             match (gap, message) {
                 (None, None) => {}
                 (None, Some(message)) => return Some(TapEvent::Message(message)),
@@ -224,26 +245,61 @@ impl TapReader {
     }
 
     /// The message that is complete with this piece.
-    fn assemble(&mut self, header: &wire::TapHeader, cells: &[u64]) -> Option<TapMessage> {
-        match (header.piece & BEGINS != 0, header.piece & ENDS != 0) {
-            (true, true) => read_message(header, cells),
-            (true, false) => {
-                self.begun.clear();
-                self.begun.extend_from_slice(cells);
-                None
-            }
-            // The beginning is lost.
-            (false, _) if self.begun.is_empty() => None,
-            (false, false) => {
-                self.begun.extend_from_slice(cells);
-                None
-            }
-            (false, true) => {
-                self.begun.extend_from_slice(cells);
-                let whole = std::mem::take(&mut self.begun);
-                read_message(header, &whole)
-            }
+    fn assemble(
+        &mut self,
+        header: &wire::TapHeader,
+        piece: Piece,
+        cells: &[u64],
+    ) -> Option<TapMessage> {
+        if piece == (Piece { index: 0, ends: true }) {
+            return read_message(header, cells);
         }
+        if piece.index == 0 {
+            self.begun.clear();
+        }
+        self.begun.extend_from_slice(cells);
+        piece.ends.then(|| read_message(header, &std::mem::take(&mut self.begun)))?
+    }
+}
+
+/// How far a reader has come in the sequence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Place {
+    /// The message that comes next, or is being put together.
+    message: u64,
+    /// How many of its pieces have come.
+    pieces: u32,
+}
+
+/// What a sample of the tap means for its reader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Step {
+    /// Bus messages that are now known to be lost.
+    lost: u64,
+    /// Whether the sample's piece is of use.
+    keep: bool,
+}
+
+impl Place {
+    /// Takes in a piece of the message with this number; none: a heartbeat, which has the
+    /// number of the message that comes next. A message that lacks a piece is lost once.
+    fn step(self, message: u64, piece: Option<Piece>) -> (Step, Self) {
+        if message < self.message {
+            // The rest of a message that counts as lost.
+            return (Step { lost: 0, keep: false }, self);
+        }
+        let before = message - self.message;
+        let Some(Piece { index, ends }) = piece else {
+            return (Step { lost: before, keep: false }, Self { message, pieces: 0 });
+        };
+        let expected = if before == 0 { self.pieces } else { 0 };
+        let whole = index == expected;
+        let step = Step { lost: before + u64::from(!whole), keep: whole };
+        let next = match whole && !ends {
+            true => Self { message, pieces: index + 1 },
+            false => Self { message: message + 1, pieces: 0 },
+        };
+        (step, next)
     }
 }
 
@@ -271,5 +327,60 @@ fn split<T: bytemuck::Pod>(cells: &[u64]) -> Result<(T, &[u64]), Malformed> {
         None => {
             Err(Malformed::TooShort { what: "header", needs: size as u64, has: cells.len() as u64 })
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Walks a reader over samples `(message, index, ends)`; gives what was kept and the losses.
+    #[track_caller]
+    fn check(samples: &[(u64, u32, bool)], beat: u64, kept: &[u64], lost: u64) {
+        let mut place = Place { message: 0, pieces: 0 };
+        let mut losses = 0;
+        let mut complete = Vec::new();
+        let pieces = samples.iter().map(|&(message, index, ends)| {
+            (message, Some(Piece::from_code(Piece { index, ends }.code())))
+        });
+        for (message, piece) in pieces.chain([(beat, None)]) {
+            let (step, next) = place.step(message, piece);
+            place = next;
+            losses += step.lost;
+            if step.keep && piece.is_some_and(|piece| piece.ends) {
+                complete.push(message);
+            }
+        }
+        assert_eq!((complete.as_slice(), losses), (kept, lost));
+    }
+
+    #[test]
+    fn an_unbroken_sequence_loses_nothing() {
+        check(&[(0, 0, true), (1, 0, false), (1, 1, true), (2, 0, true)], 3, &[0, 1, 2], 0);
+    }
+
+    #[test]
+    fn a_message_that_lacks_its_beginning_is_lost_once() {
+        check(&[(0, 1, false), (0, 2, true), (1, 0, true)], 2, &[1], 1);
+    }
+
+    #[test]
+    fn a_message_that_lacks_its_middle_is_lost_once() {
+        check(&[(0, 0, false), (0, 2, false), (0, 3, true), (1, 0, true)], 2, &[1], 1);
+    }
+
+    #[test]
+    fn a_message_that_lacks_its_end_is_lost_once() {
+        check(&[(0, 0, false), (1, 0, true)], 2, &[1], 1);
+    }
+
+    #[test]
+    fn a_gap_over_two_cut_messages_loses_both_and_what_lies_between() {
+        check(&[(0, 0, false), (4, 2, true), (5, 0, true)], 6, &[5], 5);
+    }
+
+    #[test]
+    fn the_heartbeat_shows_what_is_lost_at_the_end() {
+        check(&[(0, 0, true), (1, 0, false)], 5, &[0], 4);
     }
 }

@@ -1,8 +1,16 @@
 //! The bus over real shared memory, every test in a domain of its own.
 
-#[path = "bus/costs.rs"]
-mod costs;
+#[path = "bus/death.rs"]
+mod death;
+#[path = "bus/hostile.rs"]
+mod hostile;
+#[path = "bus/memory.rs"]
+mod memory;
+#[path = "bus/process.rs"]
+mod process;
 #[path = "bus/round_trip.rs"]
 mod round_trip;
 #[path = "bus/support.rs"]
 mod support;
+#[path = "bus/tap.rs"]
+mod tap;

@@ -23,8 +23,11 @@ use processes::Role;
 /// A planner, a recorder and a client run as processes of their own in a domain of their own, so
 /// that several demos can run at once.
 #[derive(Parser)]
-#[command(version, after_help = "\
-Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost, 4 the replay differs.")]
+#[command(
+    version,
+    after_help = "\
+Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost, 4 the replay differs."
+)]
 struct Arguments {
     /// Where to put recording and pictures [default: target/demo/N, the next free number]
     #[arg(short, long, value_name = "DIRECTORY")]

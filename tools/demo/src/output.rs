@@ -54,7 +54,14 @@ pub(crate) struct Row {
 pub(crate) fn print(rows: &[Row], directory: &Path, checked: &Checked) -> io::Result<()> {
     let mut out = io::stdout().lock();
     let mut table = table(&[
-        "task", "gap", "length", "clearance", "on its legs", "duration", "samples", "round trip",
+        "task",
+        "gap",
+        "length",
+        "clearance",
+        "on its legs",
+        "duration",
+        "samples",
+        "round trip",
     ]);
     for row in rows {
         table.add_row([

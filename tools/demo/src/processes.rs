@@ -41,12 +41,13 @@ impl Role {
         let (Some(domain), Some(recording)) = (arguments.next(), arguments.next()) else {
             return ExitCode::from(2);
         };
-        let played = domain.to_string_lossy().parse::<Domain>().map_err(Error::from).and_then(
-            |domain| match self {
-                Self::Planner => serve(&domain),
-                Self::Recorder => record(domain, recording.into()),
-            },
-        );
+        let played =
+            domain.to_string_lossy().parse::<Domain>().map_err(Error::from).and_then(|domain| {
+                match self {
+                    Self::Planner => serve(&domain),
+                    Self::Recorder => record(domain, recording.into()),
+                }
+            });
         played.unwrap_or_else(|error| {
             eprintln!("demo, {}: {error}", self.name());
             ExitCode::FAILURE

@@ -31,7 +31,6 @@ const IDLE: Duration = Duration::from_millis(1);
 /// Why there is no (complete) recording.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-
     /// No planner to listen to.
     #[error(transparent)]
     Connect(#[from] ConnectError),

@@ -1,0 +1,171 @@
+//! Who dies, hangs or dawdles harms nobody else.
+
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use bus::{CallError, Client, ConnectError, OpenError, ReplyError, Server, ServerOptions, Wait};
+use rustix::process::Signal;
+
+use crate::process::Process;
+use crate::support::*;
+
+#[test]
+fn a_client_that_takes_nothing_holds_the_others_up_for_patience_only() {
+    let test = TestDomain::new();
+    let (ended, end) = mpsc::channel();
+    let options = ServerOptions::default();
+    let patience = options.reply.patience;
+    let _planner = Planner::start_with(&test.domain, options, move |incoming| {
+        let result = answer(&incoming.header(), incoming);
+        ended.send(result.clone()).unwrap();
+        result
+    });
+    let dawdler = Client::connect(&test.domain, Wait::Event).unwrap();
+    let client = Client::connect(&test.domain, Wait::Event).unwrap();
+    let mut long = dawdler.send(&scene(1, 100_000)).unwrap();
+    let begin = Instant::now();
+    client.call(&scene(2, 1), LONG).unwrap();
+    // The machine may be busy, but not for ever.
+    assert!(begin.elapsed() >= patience / 2, "the long reply came first");
+    assert!(begin.elapsed() < patience + Duration::from_secs(2), "{:?}", begin.elapsed());
+    assert_eq!(end.recv().unwrap(), Err(ReplyError::Slow { patience }));
+    assert_eq!(end.recv().unwrap(), Ok(()));
+    // The dawdler gets what was sent, and then learns that there is no more.
+    let failed = long.wait(Instant::now() + LONG);
+    assert!(matches!(failed, Err(CallError::PlannerGone)), "{failed:?}");
+    drop(long);
+    dawdler.call(&scene(3, 100_000), LONG).unwrap();
+}
+
+#[test]
+fn a_frozen_client_process_is_given_up() {
+    let test = TestDomain::new();
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let frozen = Process::start("client that waits", &test);
+    frozen.signal(Signal::STOP);
+    let client = Client::connect(&test.domain, Wait::Event).unwrap();
+    for id in 0..20 {
+        client.call(&scene(id, 10), LONG).unwrap();
+    }
+}
+
+#[test]
+fn killed_clients_leave_their_places_to_others() {
+    let test = TestDomain::new();
+    let options = ServerOptions { max_clients: 2, ..ServerOptions::default() };
+    let _planner = Planner::start(&test.domain, options);
+    for _ in 0..6 {
+        Process::start("client that asks and hangs", &test).kill();
+    }
+    let client = Client::connect(&test.domain, Wait::Event).unwrap();
+    client.call(&scene(1, 100_000), LONG).unwrap();
+}
+
+#[test]
+fn one_client_too_many_is_refused() {
+    let test = TestDomain::new();
+    let options = ServerOptions { max_clients: 2, ..ServerOptions::default() };
+    let _planner = Planner::start(&test.domain, options);
+    let connect = || Client::connect(&test.domain, Wait::Hybrid);
+    let clients = [connect().unwrap(), connect().unwrap()];
+    let third = connect();
+    assert!(matches!(third, Err(ConnectError::Full { .. })), "{third:?}");
+    clients.iter().for_each(|client| drop(client.call(&scene(1, 1), LONG).unwrap()));
+    drop(clients);
+    connect().unwrap();
+}
+
+#[test]
+fn a_call_notices_within_its_limit_that_the_planner_was_killed() {
+    let test = TestDomain::new();
+    let planner = Process::start("planner that answers nothing", &test);
+    let client = connect(&test.domain, Wait::Hybrid);
+    let limit = Duration::from_millis(1500);
+    let begin = Instant::now();
+    let killer = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(200));
+        planner.kill();
+    });
+    let failed = client.call(&scene(1, 1), limit);
+    assert!(matches!(failed, Err(CallError::PlannerGone)), "{failed:?}");
+    assert!(begin.elapsed() < limit + Duration::from_secs(1), "{:?}", begin.elapsed());
+    killer.join().unwrap();
+}
+
+#[test]
+fn a_call_waits_for_a_planner_that_does_not_answer_until_its_limit() {
+    let test = TestDomain::new();
+    let _planner = Process::start("planner that answers nothing", &test);
+    let client = connect(&test.domain, Wait::Event);
+    let failed = client.call(&scene(1, 1), Duration::from_millis(300));
+    assert!(matches!(failed, Err(CallError::TimedOut { .. })), "{failed:?}");
+}
+
+#[test]
+fn a_planner_started_anew_answers_the_call() {
+    let test = TestDomain::new();
+    let planner = Process::start("planner that answers nothing", &test);
+    let client = connect(&test.domain, Wait::Event);
+    std::thread::scope(|threads| {
+        threads.spawn(|| {
+            std::thread::sleep(Duration::from_millis(200));
+            planner.kill();
+            let another = Process::start("planner", &test);
+            std::thread::sleep(Duration::from_secs(1));
+            drop(another);
+        });
+        let reply_is = client.call(&scene(1, 3), LONG).unwrap();
+        assert_eq!(reply_is, reply(reply_is.key, 1, 3));
+        assert_eq!(reply_is.key.sequence + 1, client.send(&scene(2, 1)).unwrap().key().sequence);
+    });
+}
+
+#[test]
+fn a_planner_that_leaves_and_comes_back_is_found_again() {
+    let test = TestDomain::new();
+    let planner = Planner::start(&test.domain, ServerOptions::default());
+    let client = Client::connect(&test.domain, Wait::Hybrid).unwrap();
+    client.call(&scene(1, 1), LONG).unwrap();
+    drop(planner);
+    let failed = client.call(&scene(2, 1), Duration::from_millis(50));
+    assert!(matches!(failed, Err(CallError::PlannerGone)), "{failed:?}");
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    client.call(&scene(3, 2_000), LONG).unwrap();
+}
+
+#[test]
+fn a_second_planner_is_refused() {
+    let test = TestDomain::new();
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let second = Server::open(&test.domain, &ServerOptions::default());
+    assert!(matches!(&second, Err(OpenError::AnotherPlanner(domain)) if *domain == test.domain));
+    Client::connect(&test.domain, Wait::Hybrid).unwrap().call(&scene(1, 1), LONG).unwrap();
+}
+
+#[test]
+fn no_planner_is_said_so() {
+    let test = TestDomain::new();
+    let client = Client::connect(&test.domain, Wait::Hybrid);
+    assert!(matches!(client, Err(ConnectError::NoPlanner { .. })), "{client:?}");
+}
+
+/// Ends a planner with a client and a recorder in its domain by a signal.
+fn check_signal(part: &str, signal: Signal) {
+    let test = TestDomain::new();
+    let planner = Process::start(part, &test);
+    connect(&test.domain, Wait::Event).call(&scene(1, 1), LONG).unwrap();
+    let recorder = Process::start("recorder", &test);
+    // The machine may be busy; by itself it takes 0.1 s at most.
+    for process in [planner, recorder] {
+        process.signal(signal);
+        assert!(process.ends_within(Duration::from_secs(2)), "{part} did not end");
+    }
+    assert_eq!(test.files(), Vec::<std::path::PathBuf>::new(), "left behind");
+}
+
+#[test]
+fn signals_end_a_planner_and_nothing_is_left() {
+    check_signal("planner", Signal::TERM);
+    check_signal("planner", Signal::INT);
+    check_signal("polling planner", Signal::TERM);
+}

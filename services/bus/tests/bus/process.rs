@@ -1,0 +1,113 @@
+//! Planners and clients in processes of their own, which can be killed.
+//!
+//! They are this test program again: [`run`] plays the part that the environment names.
+
+use std::io::Read;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use bus::{Client, Domain, Server, ServerOptions, TapReader, Wait, Woken};
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::support::*;
+
+/// A process that is killed when this is dropped.
+pub struct Process(Child);
+
+impl Process {
+    /// Starts a process that plays `part`, and waits until it has said that it is ready.
+    pub fn start(part: &str, domain: &TestDomain) -> Self {
+        let mut child = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "process::run", "--ignored", "--nocapture"])
+            .env("BUS_PART", part)
+            .env("BUS_DOMAIN", domain.name())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut output = child.stdout.take().unwrap();
+        let mut said = Vec::new();
+        let mut byte = [0];
+        while !said.ends_with(b"ready\n") {
+            assert_eq!(output.read(&mut byte).unwrap(), 1, "{part} failed to start");
+            said.push(byte[0]);
+        }
+        child.stdout = Some(output);
+        Self(child)
+    }
+
+    pub fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.0), signal).unwrap();
+    }
+
+    /// Ends it as a crash would.
+    pub fn kill(mut self) {
+        self.signal(Signal::KILL);
+        self.0.wait().unwrap();
+    }
+
+    /// Waits until it ends by itself; whether that was in time and in order.
+    pub fn ends_within(mut self, limit: Duration) -> bool {
+        let until = Instant::now() + limit;
+        while Instant::now() < until {
+            if let Some(status) = self.0.try_wait().unwrap() {
+                return status.success();
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        false
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The parts.
+#[test]
+#[ignore = "for other tests to start"]
+fn run() {
+    let Ok(part) = std::env::var("BUS_PART") else { return };
+    let domain = Domain::new(&std::env::var("BUS_DOMAIN").unwrap()).unwrap();
+    let ready = || println!("\nready");
+    let client = || connect(&domain, Wait::Event);
+    match part.as_str() {
+        "planner" | "polling planner" | "planner that answers nothing" => {
+            let wait = if part == "polling planner" { Wait::Poll } else { Wait::Hybrid };
+            let mut server =
+                Server::open(&domain, &ServerOptions { wait, ..ServerOptions::default() }).unwrap();
+            ready();
+            while server.wait() == Woken::Look {
+                while let Some(mut incoming) = server.receive() {
+                    if part == "planner that answers nothing" {
+                        std::thread::sleep(Duration::from_secs(60));
+                    }
+                    let _ = answer(&incoming.header(), &mut incoming);
+                }
+            }
+        }
+        "client that asks and hangs" => {
+            let client = client();
+            let _pending = client.send(&scene(1, 100_000)).unwrap();
+            ready();
+            std::thread::sleep(Duration::from_secs(60));
+        }
+        "client that waits" => {
+            let client = client();
+            let mut pending = client.send(&scene(1, 1)).unwrap();
+            ready();
+            let _ = pending.wait(Instant::now() + Duration::from_secs(60));
+        }
+        "recorder" => {
+            let mut tap = TapReader::connect(&domain).unwrap();
+            ready();
+            while !tap.terminated() {
+                tap.receive();
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+        part => panic!("no part {part}"),
+    }
+}
