@@ -1,5 +1,6 @@
 //! A client's side: ask, and take the reply part by part.
 
+use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use iceoryx2::pending_response::PendingResponse;
@@ -32,6 +33,9 @@ pub enum ConnectError {
         /// What iceoryx2 says.
         cause: String,
     },
+    /// The operating system has no random numbers.
+    #[error("can't draw a nonce: {0}")]
+    Random(String),
     /// All places are taken.
     #[error("domain {domain} takes no more like this one: {cause}")]
     Full {
@@ -51,8 +55,11 @@ pub enum CallError {
     /// It could not be sent.
     #[error("could not send the request: {0}")]
     Send(String),
-    /// The planner died or left.
-    #[error("the planner is gone")]
+    /// What came could not be taken from shared memory.
+    #[error("could not receive the reply: {0}")]
+    Receive(String),
+    /// The planner died, left, or gave the reply up because nobody took it.
+    #[error("the planner is gone or has given the reply up")]
     PlannerGone,
     /// No reply came in time.
     #[error("no reply within {waited:?} (limit {limit:?})")]
@@ -76,6 +83,9 @@ pub enum CallError {
 type Port = iceoryx2::port::client::Client<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 
+/// How many first request ids there are for clients to choose from.
+const FIRST_IDS: u64 = 1024;
+
 /// Asks a planner.
 #[derive(Debug)]
 pub struct Client {
@@ -85,8 +95,9 @@ pub struct Client {
     /// None where this client polls.
     bell: Option<Listener<ipc::Service>>,
     how: Wait,
-    key: RequestKey,
-    cells: Vec<u64>,
+    nonce: u64,
+    sequence: Cell<u64>,
+    cells: RefCell<Vec<u64>>,
     node: Node<ipc::Service>,
     _tidy: Tidy,
 }
@@ -94,28 +105,31 @@ pub struct Client {
 impl Client {
     /// Connects to the planner of a domain.
     pub fn connect(domain: &Domain, how: Wait) -> Result<Self, ConnectError> {
+        let nonce = getrandom::u64().map_err(|error| ConnectError::Random(error.to_string()))?;
+        Self::connect_as(domain, how, nonce)
+    }
+
+    fn connect_as(domain: &Domain, how: Wait, nonce: u64) -> Result<Self, ConnectError> {
         let node = domain.join("client")?;
         let absent = |cause| ConnectError::NoPlanner { domain: domain.clone(), cause };
         let full = |cause| ConnectError::Full { domain: domain.clone(), cause };
         let plan = ports::open_plan(&node).map_err(absent)?;
         let wake = ports::open_wake(&node).map_err(absent)?;
         let answered = ports::open_answered(&node).map_err(absent)?;
-        // What died keeps its places until somebody clears it away.
-        node.try_cleanup_dead_nodes();
         if plan.dynamic_config().number_of_servers() == 0 {
             return Err(absent("a planner was there, but has left".to_owned()));
         }
-        let nonce = getrandom::u64().map_err(|error| full(error.to_string()))?;
         let port = plan
             .client_builder()
             .initial_max_slice_len(1024)
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(|error| full(ports::said(error)))?;
-        // Replies to an earlier client in this place may still come. Request ids start
-        // at 0 in every client, so those replies would look like ours; `accept` drops them
-        // by their key, and different ids keep most of them from coming at all.
-        for _ in 0..nonce % 256 {
+        // What is left to do for an earlier client in this place can still reach ours: the
+        // replies, and the end of the request. Both go by the request's id, which starts at 0
+        // in every client. `accept` drops the replies by their key; different ids keep
+        // most of both from coming at all.
+        for _ in 0..nonce % FIRST_IDS {
             drop(port.loan_slice_uninit(0));
         }
         let ringer = wake.notifier_builder().create().map_err(|error| full(ports::said(error)))?;
@@ -136,59 +150,59 @@ impl Client {
             wake,
             bell,
             how,
-            key: RequestKey { client: nonce, sequence: 0 },
-            cells: Vec::new(),
+            nonce,
+            sequence: Cell::new(0),
+            cells: RefCell::default(),
             node,
             _tidy: Tidy(domain.clone()),
         })
     }
 
-    /// Sends a request.
-    pub fn send(&mut self, scene: &SceneRequest) -> Result<Pending<'_>, CallError> {
-        self.cells.clear();
-        let header = convert::write_scene(scene, self.key, crate::now_ns(), &mut self.cells)
+    /// Sends a request. As many as the planner allows can be open at a time.
+    pub fn send(&self, scene: &SceneRequest) -> Result<Pending<'_>, CallError> {
+        let mut cells = self.cells.borrow_mut();
+        cells.clear();
+        let header = convert::write_scene(scene, self.next_key(), crate::now_ns(), &mut cells)
             .map_err(CallError::Scene)?;
-        let cells = std::mem::take(&mut self.cells);
-        let sent = self.send_raw(header, &cells);
-        self.cells = cells;
-        let (awaited, key) = sent?;
-        Ok(Pending { awaited, key, client: self })
+        self.send_cells(header, &cells)
     }
 
     /// Sends memory as it is, for clients that write requests themselves: the key and the
     /// wish to be woken are filled in.
     pub fn send_cells(
-        &mut self,
-        header: schemas::wire::RequestHeader,
+        &self,
+        mut header: schemas::wire::RequestHeader,
         cells: &[u64],
     ) -> Result<Pending<'_>, CallError> {
-        let (awaited, key) = self.send_raw(header, cells)?;
+        let key = self.next_key();
+        self.sequence.set(key.sequence + 1);
+        (header.client, header.sequence) = (key.client, key.sequence);
+        header.wake = self.bell.is_some().into();
+        let mut request = self
+            .port
+            .loan_slice_uninit(cells.len())
+            .map_err(|error| CallError::Send(ports::said(error)))?;
+        request.user_header_mut().0 = header;
+        let awaited = request
+            .write_from_slice(cells)
+            .send()
+            .map_err(|error| CallError::Send(ports::said(error)))?;
+        if self.wake.dynamic_config().number_of_listeners() > 0
+            && let Err(error) = self.ringer.notify()
+        {
+            // The request is sent; a sleeping planner looks for itself before long.
+            tracing::debug!(?error, "could not ring");
+        }
         Ok(Pending { awaited, key, client: self })
     }
 
-    fn send_raw(
-        &mut self,
-        mut header: schemas::wire::RequestHeader,
-        cells: &[u64],
-    ) -> Result<(Awaited, RequestKey), CallError> {
-        let key = self.key;
-        self.key.sequence += 1;
-        (header.client, header.sequence) = (key.client, key.sequence);
-        header.wake = self.bell.is_some().into();
-        let failed = |error: &dyn std::fmt::Debug| CallError::Send(ports::said(error));
-        let mut request =
-            self.port.loan_slice_uninit(cells.len()).map_err(|error| failed(&error))?;
-        request.user_header_mut().0 = header;
-        let awaited = request.write_from_slice(cells).send().map_err(|error| failed(&error))?;
-        if self.wake.dynamic_config().number_of_listeners() > 0 {
-            self.ringer.notify().map_err(|error| failed(&error))?;
-        }
-        Ok((awaited, key))
+    fn next_key(&self) -> RequestKey {
+        RequestKey { client: self.nonce, sequence: self.sequence.get() }
     }
 
     /// Sends a request and waits for the whole reply. When the planner dies, waits for
     /// another and asks again.
-    pub fn call(&mut self, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
+    pub fn call(&self, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
         let begin = Instant::now();
         let until = begin + limit;
         loop {
@@ -204,7 +218,7 @@ impl Client {
                 }
                 done => return done,
             }
-            if wait::terminated(&self.node) {
+            if wait::terminated() {
                 return Err(CallError::Interrupted);
             }
         }
@@ -248,7 +262,7 @@ impl Pending<'_> {
                 }
                 Ok(None) if connected => return Ok(None),
                 Ok(None) => return Err(CallError::PlannerGone),
-                Err(error) => return Err(CallError::Send(ports::said(error))),
+                Err(error) => return Err(CallError::Receive(ports::said(error))),
             }
         }
     }
@@ -275,9 +289,9 @@ impl Pending<'_> {
                 let waited = now - begin;
                 return Err(CallError::TimedOut { waited, limit: until - begin });
             }
-            let Client { node, bell, how, .. } = self.client;
+            let Client { bell, how, .. } = self.client;
             let woken =
-                wait::wait(*how, node, bell.as_ref(), Some(until), || self.awaited.has_response());
+                wait::wait(*how, bell.as_ref(), Some(until), || self.awaited.has_response());
             if woken == Woken::Terminate {
                 return Err(CallError::Interrupted);
             }
@@ -297,3 +311,6 @@ impl Pending<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,9 +3,12 @@
 use std::time::Duration;
 
 use iceoryx2::prelude::{
-    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, Path, SemanticString, ipc,
+    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, Path, SemanticString,
+    SignalHandlingMode, ipc,
 };
 use thiserror::Error;
+
+use crate::wait;
 
 /// The directory for the small files of the bus; the memory itself is in `/dev/shm`.
 const ROOT: &str = "/tmp/iceoryx2";
@@ -71,9 +74,11 @@ impl Domain {
     /// Takes part in this domain as `role`, after clearing away what died in it.
     pub(crate) fn join(&self, role: &str) -> Result<Node<ipc::Service>, DomainError> {
         let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
+        wait::handle_signals().map_err(failed)?;
         NodeBuilder::new()
             .name(&NodeName::new(role).expect("roles are short"))
             .config(&self.config())
+            .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<ipc::Service>()
             .map_err(|error| failed(error.to_string()))
     }

@@ -22,7 +22,7 @@ pub mod wait;
 pub use client::{CallError, Client, ConnectError, Pending};
 pub use domain::{Domain, DomainError};
 pub use log::forward_to_tracing;
-pub use server::{Incoming, OpenError, ReplyOptions, ReplySink, Server, ServerOptions};
+pub use server::{Incoming, OpenError, ReplyError, ReplyOptions, ReplySink, Server, ServerOptions};
 pub use tap::{TapEvent, TapMessage, TapReader};
 pub use wait::{Wait, Woken};
 
@@ -31,4 +31,18 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// The wall clock, as messages carry it: nanoseconds since the Unix epoch.
 pub fn now_ns() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+}
+
+#[cfg(test)]
+mod test_domain {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use crate::Domain;
+
+    /// A domain that nobody else uses. The last port that is dropped tidies up.
+    pub(crate) fn test_domain() -> Domain {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        Domain::new(&format!("unit-{}-{count}", std::process::id())).expect("a possible name")
+    }
 }

@@ -1,6 +1,6 @@
 //! The planner's side: requests in, replies out, part by part.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::listener::Listener;
@@ -108,10 +108,18 @@ pub struct Server {
     bell: Option<Listener<ipc::Service>>,
     ringer: Notifier<ipc::Service>,
     tap: TapWriter,
+    /// A service without a port is gone when its last factory is, and clients open it.
+    _wake: ports::Bell,
     node: Node<ipc::Service>,
     how: Wait,
+    patience: Duration,
+    /// When it was last looked for peers that died.
+    swept: Instant,
     _tidy: Tidy,
 }
+
+/// How often an idle planner looks for peers that died: about 0.1 ms for each that lives.
+const SWEEP: Duration = Duration::from_secs(1);
 
 /// Tidies up the domain when everything else is gone.
 #[derive(Debug)]
@@ -134,7 +142,6 @@ impl Server {
             }
         }
         let node = domain.join("planner")?;
-        node.try_cleanup_dead_nodes();
         let failed = |what| move |cause| OpenError::Service { what, domain: domain.clone(), cause };
         let plan = ports::create_plan(&node, options).map_err(failed("the request port"))?;
         let wake = ports::create_wake(&node, options).map_err(failed("the wake-up bell"))?;
@@ -176,7 +183,18 @@ impl Server {
             .create()
             .map_err(|error| failed("the reply bell")(ports::said(error)))?;
         let tap = TapWriter::create(tap).map_err(failed("the tap"))?;
-        Ok(Self { port, bell, ringer, tap, node, how: options.wait, _tidy: Tidy(domain.clone()) })
+        Ok(Self {
+            port,
+            bell,
+            ringer,
+            tap,
+            _wake: wake,
+            node,
+            how: options.wait,
+            patience,
+            swept: Instant::now(),
+            _tidy: Tidy(domain.clone()),
+        })
     }
 
     /// The next request, if one waits. It goes over the tap at once.
@@ -184,7 +202,12 @@ impl Server {
         match self.port.receive() {
             Ok(Some(active)) => {
                 self.tap.request(&active.user_header().0, active.payload());
-                Some(Incoming { active, ringer: &self.ringer, tap: &mut self.tap })
+                Some(Incoming {
+                    active,
+                    ringer: &self.ringer,
+                    tap: &mut self.tap,
+                    patience: self.patience,
+                })
             }
             Ok(None) => None,
             Err(error) => {
@@ -195,19 +218,23 @@ impl Server {
         }
     }
 
-    /// Waits for a request or a signal to end.
+    /// Waits for a request or a signal to end, at most [`wait::NET`].
     pub fn wait(&mut self) -> Woken {
         let port = &self.port;
-        let woken = wait::wait(self.how, &self.node, self.bell.as_ref(), None, || {
-            port.has_requests().unwrap_or(true)
-        });
+        let asked = || port.has_requests().unwrap_or(true);
+        let woken = wait::wait(self.how, self.bell.as_ref(), None, asked);
         self.tap.heartbeat();
+        // What died keeps its memory, and a recorder the tap busy, until somebody clears it away.
+        if self.swept.elapsed() >= SWEEP && !asked() {
+            self.node.try_cleanup_dead_nodes();
+            self.swept = Instant::now();
+        }
         woken
     }
 
     /// Whether SIGINT or SIGTERM has asked to end; for use under unbroken load.
     pub fn terminated(&self) -> bool {
-        wait::terminated(&self.node)
+        wait::terminated()
     }
 }
 
@@ -217,6 +244,7 @@ pub struct Incoming<'a> {
     active: Active,
     ringer: &'a Notifier<ipc::Service>,
     tap: &'a mut TapWriter,
+    patience: Duration,
 }
 
 impl Incoming<'_> {
@@ -227,7 +255,7 @@ impl Incoming<'_> {
         self.active.user_header().0
     }
 
-    /// The request's header alone.
+    /// The request's header.
     pub fn header(&self) -> wire::RequestHeader {
         self.active.user_header().0
     }
@@ -245,6 +273,7 @@ impl Incoming<'_> {
             active: &self.active,
             ringer: self.ringer,
             tap: self.tap,
+            patience: self.patience,
         }
     }
 }
@@ -255,20 +284,43 @@ pub struct ReplySink<'a> {
     active: &'a Active,
     ringer: &'a Notifier<ipc::Service>,
     tap: &'a mut TapWriter,
+    patience: Duration,
     wake: Option<u64>,
 }
 
+/// Why the rest of a reply can't be sent. Nobody but its client is concerned.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum ReplyError {
+    /// The client has dropped its request, or left, or another came in its place.
+    #[error("the client of the request is gone")]
+    Gone,
+    /// The client did not take the parts before.
+    #[error("the client took no part of its reply for {patience:?}")]
+    Slow {
+        /// How long was waited.
+        patience: Duration,
+    },
+    /// The bus refused.
+    #[error("could not send the reply: {0}")]
+    Bus(String),
+}
+
 impl PartSink for ReplySink<'_> {
-    /// The client is gone or does not take its reply; nobody else is concerned.
-    type Error = SendError;
+    type Error = ReplyError;
 
     fn part(
         &mut self,
         header: &wire::ReplyHeader,
         cells: usize,
         fill: impl FnOnce(&mut CellWriter),
-    ) -> Result<(), SendError> {
-        let mut response = self.active.loan_slice_uninit(cells)?;
+    ) -> Result<(), ReplyError> {
+        // A closed channel takes parts and drops them without a word.
+        if !self.active.is_connected() {
+            return Err(ReplyError::Gone);
+        }
+        let bus = |error| ReplyError::Bus(ports::said(error));
+        let mut response =
+            self.active.loan_slice_uninit(cells).map_err(|error| bus(error.into()))?;
         let header = wire::ReplyHeader { sent_ns: crate::now_ns(), ..*header };
         response.user_header_mut().0 = header;
         let payload = response.payload_mut();
@@ -283,7 +335,10 @@ impl PartSink for ReplySink<'_> {
         // SAFETY: all cells are written, as just checked.
         let response = unsafe { response.assume_init() };
         self.tap.reply(&header, response.payload());
-        response.send()?;
+        response.send().map_err(|error| match error {
+            SendError::UnableToDeliver => ReplyError::Slow { patience: self.patience },
+            error => bus(error),
+        })?;
         if let Some(client) = self.wake {
             ring(self.ringer, client);
         }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use iceoryx2::identifiers::UniquePublisherId;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::{AllocationStrategy, Node, PortFactory, ipc};
+use iceoryx2::prelude::{AllocationStrategy, PortFactory, ipc};
 use schemas::convert::{self, Malformed};
 use schemas::message::{ReplyPart, Request};
 use schemas::wire;
@@ -147,7 +147,6 @@ pub enum TapMessage {
 #[derive(Debug)]
 pub struct TapReader {
     port: Subscriber<ipc::Service, [u64], TapHeader>,
-    node: Node<ipc::Service>,
     /// Whose sequence is being followed.
     publisher: Option<UniquePublisherId>,
     /// The sequence number that comes next; none before the first message.
@@ -163,7 +162,6 @@ impl TapReader {
     /// Listens to the planner of a domain.
     pub fn connect(domain: &Domain) -> Result<Self, ConnectError> {
         let node = domain.join("recorder")?;
-        node.try_cleanup_dead_nodes();
         let failed = |cause| ConnectError::NoPlanner { domain: domain.clone(), cause };
         let service = ports::open_tap(&node).map_err(failed)?;
         let buffer = service.static_config().subscriber_max_buffer_size();
@@ -172,7 +170,6 @@ impl TapReader {
         })?;
         Ok(Self {
             port,
-            node,
             publisher: None,
             next: None,
             begun: Vec::new(),
@@ -183,7 +180,7 @@ impl TapReader {
 
     /// Whether SIGINT or SIGTERM has asked to end.
     pub fn terminated(&self) -> bool {
-        wait::terminated(&self.node)
+        wait::terminated()
     }
 
     /// The next thing that happened, if anything has.

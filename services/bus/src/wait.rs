@@ -1,9 +1,12 @@
 //! Waiting for the other side: spinning, sleeping, or both.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{Node, ipc};
+use iceoryx2::prelude::ipc;
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// How a process waits for messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -20,9 +23,13 @@ pub enum Wait {
 /// How long [`Wait::Hybrid`] spins: about as long as two wake-ups across cores take.
 pub const SPIN: Duration = Duration::from_micros(50);
 
-/// How long a sleep lasts at most: the net under lost wake-ups and the longest time
+/// How long a wait lasts at most: the net under lost wake-ups and the longest time
 /// until a signal is seen.
 pub const NET: Duration = Duration::from_millis(100);
+
+/// How long the first sleep of a wait lasts at most: a finer net, for what
+/// [`silence`] can't rule out.
+const NAP: Duration = Duration::from_millis(1);
 
 /// Why [`wait`] returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +45,6 @@ pub enum Woken {
 /// Who polls has no bell, so that the other side does not ring it.
 pub(crate) fn wait(
     how: Wait,
-    node: &Node<ipc::Service>,
     bell: Option<&Listener<ipc::Service>>,
     until: Option<Instant>,
     mut ready: impl FnMut() -> bool,
@@ -62,30 +68,78 @@ pub(crate) fn wait(
             std::hint::spin_loop();
         }
     }
-    if terminated(node) {
-        return Woken::Terminate;
+    if !terminated()
+        && let Some(bell) = bell
+    {
+        sleep(bell, end, ready);
     }
-    if let Some(bell) = bell {
+    if terminated() { Woken::Terminate } else { Woken::Look }
+}
+
+/// What ended a [`sleep`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ended {
+    /// There was something to do before it began.
+    Ready,
+    /// The bell.
+    Rung,
+    /// Its time, or a signal.
+    Unrung,
+}
+
+/// Sleeps until the bell rings, at most until `end`.
+///
+/// The bell is silenced *before* the last look: whoever rings afterwards wakes the
+/// sleeper. The other way round, what came between look and silence would be slept over.
+fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() -> bool) -> Ended {
+    silence(bell);
+    for most in [NAP, NET] {
+        if ready() {
+            return Ended::Ready;
+        }
         let rest = end.saturating_duration_since(Instant::now());
-        if !rest.is_zero() && bell.timed_wait(|_| {}, rest).is_ok_and(|rings| rings != 0) {
-            silence(bell);
+        if rest.is_zero() || terminated() {
+            break;
         }
-        if terminated(node) {
-            return Woken::Terminate;
+        if bell.timed_wait(|_| {}, rest.min(most)).is_ok_and(|rings| rings != 0) {
+            return Ended::Rung;
         }
     }
-    Woken::Look
+    Ended::Unrung
 }
 
 /// Takes up all rings. Once is not enough: between marking a bell as rung and ringing
 /// it, a notifier can see its ring taken up with another's; the bell then counts as
 /// rung, nobody rings it again, and the sleeper sleeps on. A round that finds
 /// nothing leaves the bell unmarked.
-pub(crate) fn silence(bell: &Listener<ipc::Service>) {
+fn silence(bell: &Listener<ipc::Service>) {
     while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}
 }
 
-/// Whether SIGINT or SIGTERM has asked to end.
-pub(crate) fn terminated(node: &Node<ipc::Service>) -> bool {
-    node.wait(Duration::ZERO).is_err()
+/// Set by SIGINT and SIGTERM, for good.
+///
+/// iceoryx2's own handler is of no use here: it keeps only the last of a dozen kinds of
+/// signals, and forgets even that one when it is asked for it.
+static TERMINATED: LazyLock<Result<Arc<AtomicBool>, String>> = LazyLock::new(|| {
+    let flag = Arc::default();
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&flag))
+            .map_err(|error| error.to_string())?;
+    }
+    Ok(flag)
+});
+
+/// From now on SIGINT and SIGTERM ask to end instead of ending the process, so that
+/// ports are dropped and leave nothing behind in shared memory.
+pub(crate) fn handle_signals() -> Result<(), String> {
+    TERMINATED.as_ref().map(|_| ()).map_err(Clone::clone)
 }
+
+/// Whether SIGINT or SIGTERM has asked to end since this process first took part in a
+/// domain. Costs one load.
+pub(crate) fn terminated() -> bool {
+    TERMINATED.as_ref().is_ok_and(|flag| flag.load(Ordering::Relaxed))
+}
+
+#[cfg(test)]
+mod tests;

@@ -118,11 +118,18 @@ fn padded<const D: usize>(vector: &Vector<D>) -> [f64; 3] {
 }
 
 /// Puts a reply together in this process.
-#[derive(Default)]
 pub(super) struct Collect {
     assembler: ReplyAssembler,
     cells: Vec<u64>,
     reply: Option<Reply>,
+}
+
+impl Default for Collect {
+    fn default() -> Self {
+        // What this process writes itself is bounded by what was asked of it.
+        let assembler = ReplyAssembler::with_most_bytes(usize::MAX);
+        Self { assembler, cells: Vec::new(), reply: None }
+    }
 }
 
 impl PartSink for Collect {

@@ -245,3 +245,29 @@ proptest! {
         check_grid(&boxes, below(f64::from(mouth), 2));
     }
 }
+
+/// How many walls a search looks at in a long chain.
+#[test]
+fn search_looks_at_few_of_many_walls() {
+    let corners = (0..4000).map(|i| (5.0 * f64::from(i / 2), 5.0 * f64::from((i + 1) / 2)));
+    let channels: Vec<_> = corners
+        .enumerate()
+        .map(|(i, (x, z))| {
+            let (right, up) = if i % 2 == 0 { (1.0, 6.0) } else { (6.0, 1.0) };
+            space([x - 1.0, z - 1.0], [x + right, z + up])
+        })
+        .collect();
+    let walls = complement(&channels, None);
+    assert!(walls.as_slice().len() > 4000);
+    for at in [0.0, 2500.0, 5000.0, 9999.0] {
+        let at = Vector::from([at, at]);
+        let (mut visits, mut nearest) = (0, f64::INFINITY);
+        walls.nearest(&at, &at, |_, wall| {
+            visits += 1;
+            let (low, high) = wall.bounds();
+            nearest = distance_squared_box_box((&low, &high), (&at, &at)).sqrt().min(nearest);
+            nearest
+        });
+        assert!(visits < 40, "{visits} of {}", walls.as_slice().len());
+    }
+}

@@ -1,0 +1,107 @@
+//! Requests and replies arrive whole.
+
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use bus::{Client, Domain, ReplyError, ServerOptions, Wait};
+use schemas::message::SceneRequest;
+
+use crate::support::*;
+
+/// Sends a scene to a planner that hands back what it read.
+#[track_caller]
+fn check_arrives(scene: &SceneRequest) {
+    let test = TestDomain::new();
+    let (read_scenes, arrived) = mpsc::channel();
+    let _planner = Planner::start_with(&test.domain, ServerOptions::default(), move |incoming| {
+        read_scenes.send(read(incoming)).unwrap();
+        answer(&incoming.header(), incoming)
+    });
+    let client = Client::connect(&test.domain, Wait::Hybrid).unwrap();
+    client.call(scene, LONG).unwrap();
+    assert_eq!(arrived.recv().unwrap().as_ref(), Ok(scene));
+}
+
+#[test]
+fn a_scene_arrives_as_it_was_sent() {
+    check_arrives(&scene(7, 3));
+}
+
+#[test]
+fn a_scene_with_100_000_channels_arrives() {
+    let mut scene = scene(8, 3);
+    scene.free_space.channels =
+        Some((0..100_000).map(|index| boxed(index.into(), f64::from(index) + 1.5)).collect());
+    check_arrives(&scene);
+}
+
+#[test]
+fn a_long_reply_arrives_whole() {
+    let test = TestDomain::new();
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let client = Client::connect(&test.domain, Wait::Hybrid).unwrap();
+    // 9 cells each, 16,384 cells a part: one part, one and a bit, fifty-five.
+    for samples in [0, 1, 1_820, 1_821, 100_000] {
+        let reply_is = client.call(&scene(samples, samples), LONG).unwrap();
+        assert_eq!(reply_is, reply(reply_is.key, samples, samples));
+    }
+}
+
+#[test]
+fn open_requests_are_answered_each() {
+    let test = TestDomain::new();
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let client = Client::connect(&test.domain, Wait::Event).unwrap();
+    let until = Instant::now() + LONG;
+    let mut open: Vec<_> = (0..4).map(|id| client.send(&scene(id, 2_000 * id)).unwrap()).collect();
+    assert!(client.send(&scene(4, 1)).is_err(), "a fifth is one too many");
+    for (id, pending) in open.iter_mut().enumerate().rev() {
+        let key = pending.key();
+        let id = id as u64;
+        assert_eq!(pending.wait(until).unwrap(), reply(key, id, 2_000 * id));
+    }
+    drop(open);
+    client.call(&scene(5, 1), LONG).unwrap();
+}
+
+/// 200 calls are to take far less than 200 nets.
+fn check_prompt(domain: &Domain, client: Wait, server: Wait) {
+    let options = ServerOptions { wait: server, ..ServerOptions::default() };
+    let _planner = Planner::start(domain, options);
+    let client_port = Client::connect(domain, client).unwrap();
+    let begin = Instant::now();
+    for id in 0..200 {
+        // The other side has gone to sleep in some of the calls.
+        std::thread::sleep(Duration::from_micros(id % 7 * 30));
+        client_port.call(&scene(id, 1), LONG).unwrap();
+    }
+    let took = begin.elapsed();
+    assert!(took < Duration::from_secs(4), "client {client:?}, server {server:?}: {took:?}");
+}
+
+#[test]
+fn every_way_to_wait_is_prompt() {
+    for client in [Wait::Event, Wait::Hybrid, Wait::Poll] {
+        for server in [Wait::Event, Wait::Hybrid, Wait::Poll] {
+            let test = TestDomain::new();
+            check_prompt(&test.domain, client, server);
+        }
+    }
+}
+
+#[test]
+fn a_client_that_drops_its_request_stops_the_reply() {
+    let test = TestDomain::new();
+    let (ended, end) = mpsc::channel();
+    let _planner = Planner::start_with(&test.domain, ServerOptions::default(), move |incoming| {
+        let result = answer(&incoming.header(), incoming);
+        ended.send(result.clone()).unwrap();
+        result
+    });
+    let client = Client::connect(&test.domain, Wait::Event).unwrap();
+    let mut pending = client.send(&scene(1, 100_000)).unwrap();
+    pending.wait_part(Instant::now() + LONG).unwrap();
+    drop(pending);
+    assert_eq!(end.recv().unwrap(), Err(ReplyError::Gone));
+    client.call(&scene(2, 1), LONG).unwrap();
+}

@@ -1,0 +1,220 @@
+//! Domains, planners and processes for tests.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use bus::{Client, ConnectError, Domain, Incoming, ReplyError, Server, ServerOptions, Wait, Woken};
+use schemas::convert::{self, TrajectoryWriter};
+use schemas::message::{
+    AxisBox, Body, ClearanceWish, Direction, FreeSpace, Gap, Reply, RequestKey, Sampling,
+    SceneRequest, Task, Trajectory,
+};
+use schemas::wire;
+
+/// A limit that only a hang reaches.
+pub const LONG: Duration = Duration::from_secs(20);
+
+/// A domain that nobody else uses, and that must be empty in the end.
+pub struct TestDomain {
+    pub domain: Domain,
+    name: String,
+}
+
+impl TestDomain {
+    pub fn new() -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("test-{}-{count}", std::process::id());
+        Self { domain: Domain::new(&name).unwrap(), name }
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What lies in memory and on disk for this domain.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let prefix = format!("iox2_{}_", self.name);
+        let named = |path: &PathBuf| {
+            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix))
+        };
+        let mut files: Vec<_> = entries("/dev/shm").into_iter().filter(named).collect();
+        let mut directories = vec![PathBuf::from(format!("/tmp/iceoryx2/{}", self.name))];
+        while let Some(directory) = directories.pop() {
+            if directory.is_dir() {
+                directories.extend(entries(&directory));
+            }
+            if directory.exists() {
+                files.push(directory);
+            }
+        }
+        files
+    }
+}
+
+fn entries(directory: impl AsRef<std::path::Path>) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(directory).into_iter().flatten();
+    entries.filter_map(|entry| Some(entry.ok()?.path())).collect()
+}
+
+impl Drop for TestDomain {
+    fn drop(&mut self) {
+        // Whoever joins clears away what died; nobody is there to connect to.
+        let _ = Client::connect(&self.domain, Wait::Poll);
+        self.domain.tidy();
+        let left = self.files();
+        for path in &left {
+            let _ = std::fs::remove_file(path);
+            let _ = std::fs::remove_dir_all(path);
+        }
+        if !std::thread::panicking() {
+            assert_eq!(left, Vec::<PathBuf>::new(), "left behind in {}", self.name);
+        }
+    }
+}
+
+/// A planner in a thread of its own, that ends when this is dropped.
+pub struct Planner {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+    pub served: Arc<AtomicU64>,
+}
+
+impl Planner {
+    /// Answers every request with [`trajectory`].
+    pub fn start(domain: &Domain, options: ServerOptions) -> Self {
+        Self::start_with(domain, options, |incoming| answer(&incoming.header(), incoming))
+    }
+
+    pub fn start_with(
+        domain: &Domain,
+        options: ServerOptions,
+        mut serve: impl FnMut(&mut Incoming) -> Result<(), ReplyError> + Send + 'static,
+    ) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let served = Arc::new(AtomicU64::new(0));
+        let (ready, opened) = std::sync::mpsc::channel();
+        let (domain, stopped, count) = (domain.clone(), Arc::clone(&stop), Arc::clone(&served));
+        let thread = std::thread::spawn(move || {
+            let mut server = Server::open(&domain, &options).unwrap();
+            ready.send(()).unwrap();
+            while !stopped.load(Ordering::Relaxed) {
+                assert_eq!(server.wait(), Woken::Look);
+                while let Some(mut incoming) = server.receive() {
+                    // A client that is gone is no concern of the others.
+                    let _ = serve(&mut incoming);
+                    count.fetch_add(1, Ordering::Relaxed);
+                }
+            }
+        });
+        opened.recv().expect("the planner opens");
+        Self { stop, thread: Some(thread), served }
+    }
+}
+
+impl Drop for Planner {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let ended = self.thread.take().map(JoinHandle::join);
+        if !std::thread::panicking() {
+            assert!(ended.is_none_or(|ended| ended.is_ok()), "the planner failed");
+        }
+    }
+}
+
+/// Waits for a planner to come up in another process.
+pub fn connect(domain: &Domain, how: Wait) -> Client {
+    let until = Instant::now() + LONG;
+    loop {
+        match Client::connect(domain, how) {
+            Ok(client) => return client,
+            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until => {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
+
+/// A scene; the answer has this many samples.
+pub fn scene(id: u64, samples: u64) -> SceneRequest {
+    SceneRequest {
+        id: Some(id),
+        task: Task::Disassemble,
+        free_space: FreeSpace {
+            channels: Some(vec![boxed(4.0, 6.0), boxed(1.0, 5.0)]),
+            in_order: true,
+            ..FreeSpace::default()
+        },
+        body: Body::Polygon(vec![[4.5, 1.01].into(), [4.5, 4.0].into(), [6.99, 4.0].into()]),
+        exit: vec![Direction::PlusZ],
+        clearance: ClearanceWish::Gap(Gap::Uniform(0.2)),
+        sampling: Some(Sampling::Count(samples)),
+        ..SceneRequest::empty()
+    }
+}
+
+pub fn boxed(min: f64, max: f64) -> AxisBox {
+    AxisBox { min: [min, min + 1.0].into(), max: [max, max + 2.0].into() }
+}
+
+/// The answer to `scene(id, samples)`.
+pub fn trajectory(id: u64, samples: u64) -> Trajectory {
+    Trajectory {
+        dimension: 2,
+        gaps_per_junction: 2,
+        length: id as f64,
+        gaps: vec![0.1, 0.2],
+        route: vec![id, 1],
+        clearance: schemas::message::Clearance { wall: [1.0, 2.0].into(), ..Default::default() },
+        samples: (0..samples).map(|index| sample(id, index)).collect(),
+        ..Trajectory::default()
+    }
+}
+
+fn sample(id: u64, index: u64) -> wire::Sample {
+    let (id, t) = (id as f64, index as f64);
+    wire::Sample { t, position: [id, t, 0.0], heading: -t, velocity: [t, id, 0.0], yaw_rate: id }
+}
+
+/// The reply to `scene(id, samples)`.
+pub fn reply(key: RequestKey, id: u64, samples: u64) -> Reply {
+    Reply { key, id: Some(id), answers: Ok(vec![Ok(trajectory(id, samples))]) }
+}
+
+/// Answers a request with [`trajectory`].
+pub fn answer(header: &wire::RequestHeader, incoming: &mut Incoming) -> Result<(), ReplyError> {
+    let trajectory = trajectory(header.id, header.sampling);
+    let mut head = wire::ReplyHeader {
+        version: wire::VERSION,
+        dimension: 2,
+        client: header.client,
+        sequence: header.sequence,
+        id: header.id,
+        has_id: 1,
+        answers: 1,
+        gaps_per_junction: trajectory.gaps_per_junction,
+        length: trajectory.length,
+        wall: trajectory.clearance.wall.padded(),
+        ..wire::ReplyHeader::default()
+    };
+    TrajectoryWriter {
+        gaps: trajectory.gaps.iter().copied(),
+        route: trajectory.route.iter().copied(),
+        channels: std::iter::empty(),
+        legs: std::iter::empty(),
+        samples: trajectory.samples.iter().copied(),
+    }
+    .write(&mut head, true, &mut incoming.reply())
+}
+
+/// Reads a request as the planner does.
+pub fn read(incoming: &Incoming) -> Result<SceneRequest, convert::Malformed> {
+    let mut cells = Vec::new();
+    let header = incoming.copy(&mut cells);
+    let mut scene = SceneRequest::empty();
+    convert::read_scene(&header, &cells, &mut scene).map(|()| scene)
+}

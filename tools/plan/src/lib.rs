@@ -1,0 +1,4 @@
+//! What the `plan` command prints and draws; the demo shows the same.
+
+pub mod output;
+pub mod picture;

@@ -1,0 +1,166 @@
+//! Replies as people read them in a terminal, and as rows of numbers.
+
+use std::io::{self, Write};
+
+use comfy_table::{CellAlignment, Table, presets};
+use schemas::message::{
+    Answer, Curve, ErrorCode, Leg, Refusal, Reply, Sample, SceneRequest, Trajectory, Vector,
+};
+
+/// Writes a reply as tables: one row per answer, and where there is one answer its
+/// legs.
+pub fn write_text(
+    out: &mut impl Write,
+    name: &str,
+    scene: &SceneRequest,
+    reply: &Reply,
+) -> io::Result<()> {
+    let id = reply.id.map_or(String::new(), |id| format!(" (id {id})"));
+    let task = format!("{:?}", scene.task).to_lowercase();
+    match &reply.answers {
+        Err(refusal) => writeln!(out, "{name}{id}: {task}: {}\n", refused(refusal)),
+        Ok(answers) => {
+            writeln!(out, "{name}{id}: {task}")?;
+            writeln!(out, "{}", answers_table(answers))?;
+            if let [Ok(trajectory)] = answers.as_slice() {
+                writeln!(out, "{}", legs_table(&trajectory.legs))?;
+            }
+            writeln!(out)
+        }
+    }
+}
+
+/// A refusal in one line.
+pub fn refused(refusal: &Refusal) -> String {
+    format!("refused, {}: {}", code(refusal.code), refusal.message)
+}
+
+fn code(code: ErrorCode) -> String {
+    let name = format!("{code:?}");
+    let mut text = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !text.is_empty() {
+            text.push('_');
+        }
+        text.extend(letter.to_lowercase());
+    }
+    text
+}
+
+/// A table without frames, numbers to the right.
+pub fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(header);
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((if index == 0 { 2 } else { 1 }, 1));
+        if index > 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+fn answers_table(answers: &[Answer]) -> Table {
+    let mut table = table(&["gap", "length", "clearance", "at", "duration", "legs", "samples"]);
+    for answer in answers {
+        match answer {
+            Ok(trajectory) => table.add_row([
+                gaps(trajectory),
+                format!("{:.6} m", trajectory.length),
+                format!("{:.6} m", trajectory.clearance.value),
+                format!("{:.3} m", trajectory.clearance.at),
+                format!("{:.3} s", trajectory.duration),
+                trajectory.legs.len().to_string(),
+                trajectory.samples.len().to_string(),
+            ]),
+            Err(refusal) => table.add_row([refused(refusal)]),
+        };
+    }
+    table
+}
+
+fn legs_table(legs: &[Leg]) -> Table {
+    let mut table = table(&["leg", "from", "to", "length", "clearance", "rule"]);
+    for leg in legs {
+        let (kind, from, to) = match &leg.curve {
+            Curve::Line { from, to, .. } => ("line", point(from), point(to)),
+            Curve::Arc { center, radius, sweep, .. } => (
+                "arc",
+                format!("about {} r {radius:.3}", point(center)),
+                format!("{:+.1}°", sweep.to_degrees()),
+            ),
+            Curve::Turn { position, sweep, .. } => {
+                ("turn", point(position), format!("{:+.1}°", sweep.to_degrees()))
+            }
+        };
+        table.add_row([
+            kind.to_owned(),
+            from,
+            to,
+            format!("{:.6} m", leg.length),
+            format!("{:.6} m", leg.clearance),
+            leg.rule.map_or(String::new(), |rule| {
+                let junction = leg.junction.map_or(String::new(), |at| format!(", junction {at}"));
+                format!("table {}, rule {}{junction}", rule.table, rule.number)
+            }),
+        ]);
+    }
+    table
+}
+
+fn point(point: &Vector) -> String {
+    let coordinates: Vec<_> =
+        point.as_slice().iter().map(|coordinate| format!("{coordinate:.3}")).collect();
+    format!("({})", coordinates.join(", "))
+}
+
+/// The gaps of a trajectory, as short as they can be said: one number where all are the same.
+pub fn gaps(trajectory: &Trajectory) -> String {
+    let gaps = &trajectory.gaps;
+    match gaps.first() {
+        None => "-".to_owned(),
+        Some(first) if gaps.iter().all(|gap| gap == first) => number(*first),
+        Some(_) => {
+            let junctions = gaps.chunks(trajectory.gaps_per_junction.max(1) as usize);
+            let mut text: Vec<_> = junctions
+                .map(|axes| axes.iter().map(|gap| number(*gap)).collect::<Vec<_>>().join("/"))
+                .collect();
+            if text.len() > 4 {
+                text.truncate(3);
+                text.push("...".to_owned());
+            }
+            text.join(" ")
+        }
+    }
+}
+
+/// A number to micrometres, without zeros at its end.
+fn number(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The head of the rows that [`write_csv`] writes.
+pub const CSV_HEAD: &str = "scene,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate";
+
+/// Writes the samples of a reply, one row each; `number` counts the scenes. In assembly scenes
+/// of two dimensions y is 0. Refusals have no rows.
+pub fn write_csv(
+    out: &mut impl Write,
+    number: usize,
+    scene: &SceneRequest,
+    reply: &Reply,
+) -> io::Result<()> {
+    let drive = scene.task == schemas::message::Task::Drive;
+    for (index, answer) in reply.answers.iter().flatten().enumerate() {
+        let Ok(trajectory) = answer else { continue };
+        let in_plane = trajectory.dimension == 2 && !drive;
+        let axes = |[a, b, c]: [f64; 3]| if in_plane { [a, 0.0, b] } else { [a, b, c] };
+        for sample in &trajectory.samples {
+            let Sample { t, position, heading, velocity, yaw_rate } = sample;
+            let ([x, y, z], [vx, vy, vz]) = (axes(*position), axes(*velocity));
+            writeln!(out, "{number},{index},{t},{x},{y},{z},{heading},{vx},{vy},{vz},{yaw_rate}")?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,3 @@
+pub fn draw(_: &schemas::message::SceneRequest, _: &schemas::message::Reply) -> String {
+    String::new()
+}

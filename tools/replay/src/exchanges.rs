@@ -1,0 +1,212 @@
+//! Requests and their whole replies, out of a recording.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use recording::{Message, ReadError, Reader, Summary};
+use schemas::message::{AssembleError, Reply, ReplyAssembler, ReplyPart, Request, RequestKey};
+use thiserror::Error;
+
+/// A request and the reply to it.
+#[derive(Debug)]
+pub struct Exchange {
+    /// Counts the recording's requests, from 0.
+    pub index: u64,
+    /// What was asked.
+    pub request: Request,
+    /// What was answered.
+    pub reply: Reply,
+}
+
+/// A request without a whole reply, or parts of a reply without a request.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Loss {
+    /// Nothing of its reply is there.
+    #[error("request {index} ({key}) has no reply")]
+    NoReply {
+        /// Counts the requests, from 0.
+        index: u64,
+        /// The request.
+        key: RequestKey,
+    },
+    /// Its reply has no end.
+    #[error("the reply to request {index} ({key}) ends after {parts} parts, its last is missing")]
+    NoEnd {
+        /// Counts the requests, from 0.
+        index: u64,
+        /// The request.
+        key: RequestKey,
+        /// Parts that are there.
+        parts: u32,
+    },
+    /// The parts of its reply do not fit together.
+    #[error("the reply to request {index} ({key}): {error}")]
+    Broken {
+        /// Counts the requests, from 0.
+        index: u64,
+        /// The request.
+        key: RequestKey,
+        /// Why not.
+        error: AssembleError,
+    },
+    /// There is no request before the reply.
+    #[error("{parts} parts of a reply to {key}, whose request is not in the recording")]
+    NoRequest {
+        /// The request.
+        key: RequestKey,
+        /// Parts that are there.
+        parts: u64,
+    },
+}
+
+/// What a recording holds beside its exchanges.
+#[derive(Debug, Default)]
+pub struct Contents {
+    /// Bytes read.
+    pub bytes: u64,
+    /// The library that wrote it.
+    pub library: String,
+    /// Requests.
+    pub requests: u64,
+    /// Parts of replies.
+    pub parts: u64,
+    /// Requests with whole replies.
+    pub exchanges: u64,
+    /// Clients that asked.
+    pub clients: BTreeSet<u64>,
+    /// When the recorder took the first and the last message; nanoseconds since the Unix epoch.
+    pub times_ns: Option<(u64, u64)>,
+    /// Requests without whole replies, and replies without requests.
+    pub losses: Vec<Loss>,
+    /// Messages missing by their sequence numbers, and how often some in a row are.
+    pub missing: (u64, u64),
+    /// What the recording says of itself at its end.
+    pub summary: Option<Summary>,
+    /// Messages of other channels.
+    pub skipped: u64,
+    /// Why it could not be read (to its end).
+    pub error: Option<ReadError>,
+}
+
+impl Contents {
+    /// Messages that the recorder missed, as far as can be told.
+    pub fn lost(&self) -> u64 {
+        self.missing.0.max(self.summary.map_or(0, |summary| summary.lost))
+    }
+
+    /// Whether anything is missing, a cut end included.
+    pub fn is_incomplete(&self) -> bool {
+        self.lost() > 0
+            || !self.losses.is_empty()
+            || self.error.as_ref().is_some_and(ReadError::is_cut)
+    }
+
+    /// Why it could not be read, other than that it is cut.
+    pub fn failure(&self) -> Option<&ReadError> {
+        self.error.as_ref().filter(|error| !error.is_cut())
+    }
+}
+
+/// A request that waits for its reply.
+struct Pending {
+    index: u64,
+    request: Request,
+    assembler: ReplyAssembler,
+    error: Option<AssembleError>,
+}
+
+/// Reads the recording at `path`; `each` takes every exchange when its last part comes,
+/// and `progress` is told how many bytes are read.
+///
+/// Memory: the requests that wait for their replies, and the parts of these.
+pub fn read(
+    path: &Path,
+    mut progress: impl FnMut(u64),
+    mut each: impl FnMut(Exchange),
+) -> Contents {
+    let mut contents = Contents::default();
+    let mut reader = match Reader::open(path) {
+        Ok(reader) => reader,
+        Err(error) => return Contents { error: Some(error), ..contents },
+    };
+    contents.library = reader.library().to_owned();
+    let mut pending = BTreeMap::new();
+    let mut orphans = BTreeMap::new();
+    while let Some(record) = reader.next() {
+        let record = match record {
+            Ok(record) => record,
+            Err(error) => {
+                contents.error = Some(error);
+                break;
+            }
+        };
+        let (first, last) = contents.times_ns.unwrap_or((record.log_ns, record.log_ns));
+        contents.times_ns = Some((first.min(record.log_ns), last.max(record.log_ns)));
+        match record.message {
+            Message::Request(request) => {
+                contents.clients.insert(request.key.client);
+                let (key, index) = (request.key, contents.requests);
+                let assembler = ReplyAssembler::default();
+                let begun = Pending { index, request, assembler, error: None };
+                // A client may ask again under the same key when no reply comes.
+                if let Some(before) = pending.insert(key, begun) {
+                    contents.losses.push(before.loss());
+                }
+                contents.requests += 1;
+            }
+            Message::Reply(part) => {
+                contents.parts += 1;
+                let key = part.key;
+                let Some(waiting) = pending.get_mut(&key) else {
+                    *orphans.entry(key).or_insert(0) += 1;
+                    continue;
+                };
+                let last = part.last;
+                let reply = waiting.push(part);
+                if !last {
+                    continue;
+                }
+                let waiting = pending.remove(&key).expect("it was just there");
+                match reply {
+                    Some(reply) => {
+                        contents.exchanges += 1;
+                        let (index, request) = (waiting.index, waiting.request);
+                        each(Exchange { index, request, reply });
+                    }
+                    None => contents.losses.push(waiting.loss()),
+                }
+            }
+        }
+        progress(reader.offset());
+    }
+    contents.losses.extend(pending.into_values().map(|waiting| waiting.loss()));
+    contents.losses.extend(orphans.into_iter().map(|(key, parts)| Loss::NoRequest { key, parts }));
+    contents.bytes = reader.offset();
+    contents.missing = (reader.lost(), reader.gaps());
+    contents.summary = reader.summary();
+    contents.skipped = reader.skipped();
+    contents
+}
+
+impl Pending {
+    fn push(&mut self, part: ReplyPart) -> Option<Reply> {
+        if self.error.is_some() {
+            return None;
+        }
+        let pushed = self.assembler.push(part);
+        pushed.unwrap_or_else(|error| {
+            self.assembler = ReplyAssembler::default();
+            self.error = Some(error);
+            None
+        })
+    }
+
+    fn loss(self) -> Loss {
+        let (index, key) = (self.index, self.request.key);
+        match (self.error, self.assembler.parts()) {
+            (Some(error), _) => Loss::Broken { index, key, error },
+            (None, 0) => Loss::NoReply { index, key },
+            (None, parts) => Loss::NoEnd { index, key, parts },
+        }
+    }
+}

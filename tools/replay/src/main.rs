@@ -1,0 +1,7 @@
+//! The `replay` command; see `replay --help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    replay::cli::main(planner::reply_to)
+}

@@ -1,0 +1,259 @@
+//! The program on recordings whole, changed, incomplete, cut and damaged.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use assert_cmd::cargo::cargo_bin;
+use recording::{Options, Writer};
+use schemas::json;
+use schemas::message::{Reply, ReplyPart, Request, RequestContent, RequestKey};
+
+fn request(client: u64, sequence: u64) -> Request {
+    let scene = include_str!("../../../recordings/scenes/disassemble-channels.json");
+    let Ok(mut scene) = json::read_scene(scene) else { panic!("the scene is readable") };
+    scene.id = Some(sequence);
+    let content = RequestContent::Scene(scene);
+    Request { key: RequestKey { client, sequence }, sent_ns: 1_000 * sequence, content }
+}
+
+/// A part for each answer.
+fn parts(reply: Reply) -> Vec<ReplyPart> {
+    let answers = reply.answers.as_ref().map_or(0, |answers| answers.len() as u32);
+    let contents = reply.answers.map_or_else(|refusal| vec![Err(refusal)], |answers| answers);
+    let last = contents.len() - 1;
+    let part = |(part, content)| ReplyPart {
+        key: reply.key,
+        id: reply.id,
+        sent_ns: 5_000,
+        part: part as u32,
+        last: part == last,
+        answer: part as u32,
+        answers,
+        content,
+    };
+    contents.into_iter().enumerate().map(part).collect()
+}
+
+/// Records three requests by `client` with the planner's replies, as `change` makes them;
+/// it returns whether to record the part at all.
+fn record(path: &Path, client: u64, change: impl Fn(&mut ReplyPart) -> bool) {
+    let mut writer = Writer::create(path, Options::default()).unwrap();
+    for sequence in 0..3 {
+        let request = request(client, sequence);
+        writer.write_request(&request, 10_000 + sequence).unwrap();
+        for mut part in parts(planner::reply_to(&request)) {
+            if change(&mut part) {
+                writer.write_reply(&part, 20_000 + sequence).unwrap();
+            }
+        }
+        writer.flush().unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+fn samples(part: &mut ReplyPart) -> &mut [schemas::message::Sample] {
+    &mut part.content.as_mut().unwrap().samples
+}
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn with(name: &str, change: impl Fn(&mut ReplyPart) -> bool) -> Self {
+        let folder = Self::new();
+        record(&folder.path(name), 7, change);
+        folder
+    }
+
+    /// Exit code, standard output and standard error of `replay`.
+    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
+        let output = Command::new(cargo_bin!("replay"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap();
+        let [out, error] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        (output.status.code().expect("no signal ends it"), out, error)
+    }
+
+    #[track_caller]
+    fn check(&self, arguments: &[&str], code: i32, out: &str, error: &str) {
+        let found = self.run(arguments);
+        assert_eq!(found.0, code, "{found:?}");
+        assert!(found.1.contains(out), "{found:?}");
+        assert!(found.2.contains(error), "{found:?}");
+    }
+}
+
+fn keep(_: &mut ReplyPart) -> bool {
+    true
+}
+
+#[test]
+fn what_is_planned_alike_is_equal() {
+    let folder = Folder::with("a.mcap", keep);
+    folder.check(&["check", "a.mcap"], 0, "a.mcap: 3 requests, 3 equal\n", "");
+    folder.check(&["check", "."], 0, "3 equal", "");
+}
+
+#[test]
+fn the_first_difference_is_a_regression() {
+    let folder = Folder::with("a.mcap", |part| {
+        if part.key.sequence == 1 {
+            samples(part)[4].position[1] += 0.001;
+            samples(part)[5].t += 1.0;
+        }
+        true
+    });
+    let said = "a.mcap: request 1 (0000000000000007/1): answer 0, sample 4, position[1]: recorded ";
+    folder.check(&["check", "a.mcap"], 4, said, "");
+    folder.check(&["check", "a.mcap"], 4, "3 requests, 2 equal, 1 different", "");
+    folder.check(&["check", "a.mcap", "--tolerance", "0.01"], 4, "sample 5, t: recorded", "");
+    folder.check(&["check", "a.mcap", "--tolerance", "1"], 0, "3 equal", "");
+
+    let (code, out, _) = folder.run(&["check", "a.mcap", "--format", "json"]);
+    let out: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let difference = &out["files"][0]["differences"][0];
+    assert_eq!(code, 4);
+    assert_eq!(difference["request"], 1);
+    assert_eq!(difference["list"], "sample");
+    assert_eq!(difference["index"], 4);
+    assert_eq!(difference["field"], "position[1]");
+    let suite = r#"<testsuite name="a.mcap" tests="3" failures="1" errors="0" skipped="0">"#;
+    folder.check(&["check", "a.mcap", "--format", "junit"], 4, suite, "");
+}
+
+#[test]
+fn a_missing_reply_is_lost_data() {
+    let folder = Folder::with("a.mcap", |part| part.key.sequence != 1);
+    let said = "request 1 (0000000000000007/1) has no reply";
+    folder.check(&["check", "a.mcap"], 3, "3 requests, 2 equal, 1 incomplete", said);
+
+    let folder = Folder::with("a.mcap", |part| {
+        part.last &= part.key.sequence != 1;
+        true
+    });
+    folder.check(
+        &["check", "a.mcap"],
+        3,
+        "1 incomplete",
+        "ends after 1 parts, its last is missing",
+    );
+
+    let folder = Folder::with("a.mcap", |part| {
+        part.part += u32::from(part.key.sequence == 1);
+        true
+    });
+    folder.check(&["check", "a.mcap"], 3, "1 incomplete", "part 0 of the reply is missing");
+
+    let folder = Folder::with("a.mcap", |part| {
+        part.key.client += u64::from(part.key.sequence == 1);
+        true
+    });
+    folder.check(&["check", "a.mcap"], 3, "2 incomplete", "whose request is not in the recording");
+}
+
+#[test]
+fn a_cut_recording_is_lost_data_and_recovered() {
+    let folder = Folder::with("a.mcap", keep);
+    let bytes = std::fs::read(folder.path("a.mcap")).unwrap();
+    std::fs::write(folder.path("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
+    folder.check(&["check", "cut.mcap"], 3, "equal, cut", "the recording is cut");
+    folder.check(&["info", "cut.mcap"], 3, "the recording is cut", "");
+    folder.check(
+        &["recover", "cut.mcap", "-o", "b.mcap"],
+        0,
+        "messages recovered, 0 missing",
+        "cut",
+    );
+    folder.check(&["check", "b.mcap"], 0, "equal", "");
+    folder.check(&["recover", "cut.mcap", "-o", "b.mcap"], 1, "", "b.mcap exists already");
+    folder.check(&["recover", "cut.mcap", "-o", "b.mcap", "--overwrite"], 0, "recovered", "");
+}
+
+#[test]
+fn a_damaged_recording_is_a_failure() {
+    let folder = Folder::with("a.mcap", keep);
+    let mut bytes = std::fs::read(folder.path("a.mcap")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    std::fs::write(folder.path("damaged.mcap"), &bytes).unwrap();
+    folder.check(&["check", "damaged.mcap"], 1, "not readable to its end", "the checksum of");
+    folder.check(&["recover", "damaged.mcap", "-o", "b.mcap"], 3, "2 missing in 1 gaps", "damaged");
+    folder.check(&["check", "b.mcap"], 3, "2 equal", "the recorder missed 2 messages");
+}
+
+#[test]
+fn a_check_of_nothing_fails() {
+    let folder = Folder::new();
+    folder.check(&["check", "."], 1, "", "no *.mcap files");
+    folder.check(&["check", "none.mcap"], 1, "", "none.mcap: No such file");
+    Writer::create(folder.path("empty.mcap"), Options::default()).unwrap().finish().unwrap();
+    folder.check(&["check", "empty.mcap"], 1, "0 requests", "nothing to compare");
+    folder.check(&["info", "empty.mcap"], 0, "finished", "");
+}
+
+#[test]
+fn wrong_arguments_are_a_usage_error() {
+    let folder = Folder::new();
+    folder.check(&["check"], 2, "", "Usage:");
+    folder.check(&["check", "a.mcap", "--tolerance", "-1"], 2, "", "");
+    folder.check(&["check", "a.mcap", "--tolerance", "NaN"], 2, "", "zero or greater");
+    folder.check(&["--help"], 0, "Exit codes:", "");
+}
+
+#[test]
+fn two_runs_of_the_same_requests_are_compared() {
+    let folder = Folder::with("a.mcap", keep);
+    record(&folder.path("b.mcap"), 8, keep);
+    record(&folder.path("c.mcap"), 8, |part| {
+        samples(part)[2].t += 0.5;
+        part.key.sequence != 2
+    });
+    folder.check(&["diff", "a.mcap", "b.mcap"], 0, "3 equal, 0 different, 0 only in a.mcap", "");
+    let place = "pair 0 (0000000000000007/0 and 0000000000000008/0): answer 0, sample 2, t: ";
+    folder.check(&["diff", "a.mcap", "c.mcap"], 4, place, "request 2");
+    folder.check(
+        &["diff", "a.mcap", "c.mcap"],
+        4,
+        "2 different, 1 only in a.mcap, 0 only in c.mcap",
+        "",
+    );
+    let tolerant = ["diff", "a.mcap", "c.mcap", "--tolerance", "0.5"];
+    folder.check(&tolerant, 4, "2 equal, 0 different, 1 only in a.mcap", "");
+}
+
+#[test]
+fn a_recording_is_described() {
+    let folder = Folder::with("a.mcap", keep);
+    folder.check(
+        &["info", "a.mcap"],
+        0,
+        "requests  3 from 1 clients\nreplies   3 whole, in 3 parts",
+        "",
+    );
+}
+
+#[test]
+fn who_reads_no_further_is_no_failure() {
+    let folder = Folder::with("a.mcap", keep);
+    let mut child = Command::new(cargo_bin!("replay"))
+        .args(["check", "--format", "json"])
+        .arg(folder.path("a.mcap"))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
