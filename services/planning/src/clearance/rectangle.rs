@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::clearance::Clearance;
 use crate::clearance::walls::{Wall, Walls};
 use crate::geometry::Vector;
-use crate::motion::{Curve, Leg};
+use crate::motion::Curve;
 
 mod moving;
 mod segment;
@@ -136,29 +136,6 @@ pub fn over_curve(
     let mut met = nearest(footprint, curve, walls, footprint.width.max(footprint.length));
     met.along *= curve.length();
     met.clearance()
-}
-
-/// Clearance over a whole motion; `each` is refilled with every leg's clearance,
-/// metres (infinite where there are no walls).
-pub fn over_motion(
-    footprint: &Footprint,
-    legs: &[Leg<2>],
-    walls: &Walls<2>,
-    each: &mut Vec<f64>,
-) -> Option<Clearance<2>> {
-    each.clear();
-    let mut guess = footprint.width.max(footprint.length);
-    let mut travelled = 0.0;
-    let mut least = Met::NOTHING;
-    for leg in legs {
-        let met = nearest(footprint, &leg.curve, walls, guess);
-        let length = leg.curve.length();
-        least.offer(met.value, travelled + met.along * length, met.wall);
-        each.push(met.value);
-        travelled += length;
-        guess = next_guess(&met, guess);
-    }
-    least.clearance()
 }
 
 /// The next leg begins where this one ends, so it comes about as close.

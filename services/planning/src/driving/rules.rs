@@ -2,7 +2,7 @@
 //!
 //! The table as printed is wrong in six rows and equation 5.5 in its last line
 //! (`docs/errata.md`); this is the corrected one. The planner takes its tangents
-//! from one formula for all cases ([`super::tangent`]); the rules name what it
+//! from one formula for all cases (`tangent.rs`); the rules name what it
 //! does, and are the independent construction that it is tested against.
 
 use crate::geometry::Sign::{self, Negative, Positive};

@@ -19,6 +19,9 @@ pub struct TradeOff {
 /// The safest gap is found to this, metres, where it has no closed form.
 const PRECISION: f64 = 1e-10;
 
+/// A clearance within this of the gap is the gap, metres.
+const ATTAINED: f64 = 1e-9;
+
 /// Number of gaps tried before the search narrows.
 const TRIALS: usize = 48;
 
@@ -48,27 +51,28 @@ pub fn safest(task: &Drive<'_>, path: &mut Path) -> Result<f64, DrivingError> {
         drive(task, Gaps::Uniform(gap), path)?;
         Ok(path.turning.map_or(f64::INFINITY, |turning| turning.value))
     };
-    let found = if is_peak(&mut turning, balanced) {
-        balanced
-    } else {
-        let most = width - task.footprint.width() / 2.0;
-        if most <= 0.0 {
-            let needs = least_width(&task.footprint);
-            return Err(DrivingError::CornerTooNarrow { corner: narrowest, has: width, needs });
-        }
-        maximise(&mut turning, most)?
-    };
+    if is_peak(&mut turning, balanced) {
+        return Ok(balanced);
+    }
+    let most = width - task.footprint.width() / 2.0;
+    if most <= 0.0 {
+        let needs = least_width(&task.footprint);
+        return Err(DrivingError::CornerTooNarrow { corner: narrowest, has: width, needs });
+    }
+    let found = maximise(&mut turning, most)?;
     drive(task, Gaps::Uniform(found), path)?;
     Ok(found)
 }
 
-/// Whether the clearance is `gap` there, and less for a gap beyond.
+/// Whether the clearance is `gap` there, and less for a gap beyond. `gap` itself
+/// is tried last.
 fn is_peak(turning: &mut impl FnMut(f64) -> Result<f64, DrivingError>, gap: f64) -> bool {
     if gap.is_nan() || gap <= 0.0 {
         return false;
     }
-    let beyond = turning(gap * (1.0 + 1e-6)).unwrap_or(0.0);
-    beyond < gap && turning(gap).is_ok_and(|there| there >= gap - 1e-12)
+    // A step that stands out from rounding, also far from the origin.
+    let beyond = turning(gap + 1e-6).unwrap_or(0.0);
+    beyond < gap && turning(gap).is_ok_and(|there| there >= gap - ATTAINED)
 }
 
 /// The gap up to `most` with the greatest clearance: the best of a geometric

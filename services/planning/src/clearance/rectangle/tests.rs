@@ -4,12 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use proptest::prelude::*;
 
-use super::{
-    Footprint, Met, TURNING_WHILE_MOVING_BOUND, nearest, over_curve, over_motion, over_placement,
-};
+use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND, nearest, over_curve, over_placement};
 use crate::clearance::walls::{Wall, Walls};
 use crate::geometry::Vector;
-use crate::motion::{Curve, Leg};
+use crate::motion::Curve;
 
 fn point(x: f64, y: f64) -> Vector<2> {
     Vector::<2>::new(x, y)
@@ -227,7 +225,8 @@ fn footprint_without_extent_is_rejected() {
 fn no_walls_no_clearance() {
     let none = Walls::default();
     assert_eq!(over_placement(&robot(), &point(0.0, 0.0), 1.0, &none), None);
-    assert_eq!(over_motion(&robot(), &[], &none, &mut Vec::new()), None);
+    let turn = Curve::Turn { position: point(0.0, 0.0), from_heading: 0.0, sweep: 1.0 };
+    assert_eq!(over_curve(&robot(), &turn, &none), None);
 }
 
 #[test]
@@ -297,23 +296,4 @@ fn outer_wall_is_approached_on_the_outer_circle() {
         Curve::Arc { center: point(0.0, 0.0), radius: 1.5, start_angle: PI, sweep: -FRAC_PI_2 };
     let met = check_curve(&robot(), &curve, &walls(&[[-3.0, -9.0, -3.0, 3.0]]));
     assert!((met.value - (3.0 - libm::hypot(2.0, 0.75))).abs() < 1e-15);
-}
-
-#[test]
-fn motion_reports_the_first_of_equal_places() {
-    let line = |x: f64| Leg {
-        curve: Curve::Line {
-            from: point(x, 0.0),
-            to: point(x + 4.0, 0.0),
-            heading: 0.0,
-            turned: 0.0,
-        },
-        junction: None,
-        rule: None,
-    };
-    let walls = walls(&[[0.0, 1.0, 20.0, 1.0], [6.0, -1.0, 6.5, -1.0]]);
-    let mut each = Vec::new();
-    let clearance = over_motion(&robot(), &[line(0.0), line(4.0)], &walls, &mut each).unwrap();
-    assert_eq!(each, [0.5, 0.5]);
-    assert_eq!((clearance.value, clearance.at), (0.5, 0.0));
 }

@@ -106,8 +106,9 @@ proptest! {
                 panic!("{error}");
             };
             prop_assert!(gaps[first].max(gaps[second]) > most);
-            gaps[first] = gaps[first].min(most);
-            gaps[second] = gaps[second].min(most);
+            // A little less: where circles just touch, the rules' arc cosines have no digits.
+            gaps[first] = gaps[first].min(0.99 * most);
+            gaps[second] = gaps[second].min(0.99 * most);
         }
         check_by_rules(&scene, &gaps, &path);
         check_continuous(&scene, &path);

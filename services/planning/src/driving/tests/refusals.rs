@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::scene::{Scene, channel, corridor_a, point};
 use crate::clearance::walls::Wall;
-use crate::driving::{DrivingError, Gaps, Path, Pose, StartTurn, drive, route};
+use crate::driving::rules::TABLE_2;
+use crate::driving::{Corner, DrivingError, Gaps, Path, Pose, StartTurn, drive, route};
 
 fn refused(scene: &Scene, gap: f64) -> DrivingError {
     drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default()).unwrap_err()
@@ -105,7 +106,6 @@ fn narrow_corridor_names_the_width_it_needs() {
 
 #[test]
 fn blocked_turn_names_the_heading_that_is_free() {
-    // The front right corner of the robot, turning right from pi / 2, meets a post.
     let mut scene = corridor_a();
     scene.start.heading = PI;
     block(&mut scene, [1.2, 2.3, 1.2, 2.4]);
@@ -113,9 +113,10 @@ fn blocked_turn_names_the_heading_that_is_free() {
         panic!();
     };
     assert_eq!(wall, point(1.2, 2.3));
-    // The post is 0.8 from the centre: it stops the side's end, 0.5 across.
-    let met = PI - (FRAC_PI_2 - libm::asin(0.5 / 0.8)).abs();
-    assert!(heading < free && free < PI, "{heading} {free} {met}");
+    // The post is 0.8 above the centre: the front right corner, a half diagonal
+    // away, passes above it and the right side meets it.
+    let met = FRAC_PI_2 + libm::asin(0.5 / 0.8);
+    assert!(heading < free && (free - met).abs() < 1e-12, "{heading} {free} {met}");
     scene.start.heading = free - 1e-9;
     assert!(matches!(refused(&scene, 0.2), DrivingError::BodyTouchesWall { .. }));
     scene.start.heading = free + 1e-9;
@@ -215,8 +216,36 @@ fn corner_that_the_path_does_not_touch_is_left_out() {
 }
 
 #[test]
-fn start_may_wait_for_the_wanted_heading() {
-    // A heading given beyond (-pi, pi] is the same heading.
+fn corner_behind_the_one_before_is_refused() {
+    // To the right about (1, -1), then to the left about (1, -3), on the way up.
+    let mut scene = corridor_a();
+    scene.walls.clear();
+    scene.channels = vec![channel([-9.0, 9.0], [-9.0, 9.0])];
+    scene.start.position = point(0.0, -6.0);
+    scene.goal.position = point(0.0, 6.0);
+    scene.corners = [(0, 1.0, -1.0), (2, 1.0, -3.0)]
+        .map(|(row, x, y)| Corner {
+            point: point(x, y),
+            rule: &TABLE_2[row],
+            width_in: 9.0,
+            width_out: 9.0,
+        })
+        .to_vec();
+    let DrivingError::CornerNotPassed { corner: 1, sweep } = refused(&scene, 0.2) else { panic!() };
+    assert!(sweep < 0.0);
+}
+
+#[test]
+fn body_inside_a_solid_is_rejected() {
+    // No wall is touched: the solid is larger than the robot.
+    let mut scene = corridor_a();
+    scene.walls.clear();
+    scene.walls.push_box(&channel([-5.0, 8.0], [-5.0, 6.0]));
+    assert!(matches!(refused(&scene, 0.2), DrivingError::BodyTouchesWall { .. }));
+}
+
+#[test]
+fn heading_beyond_half_a_turn_is_the_same_heading() {
     let mut scene = corridor_a();
     let mut path = Path::default();
     drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();

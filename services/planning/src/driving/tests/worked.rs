@@ -114,3 +114,15 @@ fn rules_of_the_worked_corridors() {
     assert_eq!(numbers(corridor_a()), [1, 5, 1]);
     assert_eq!(numbers(corridor_b()), [1, 7, 2, 5, 1]);
 }
+
+#[test]
+fn clearance_is_met_first_where_the_front_passes_the_corner() {
+    // The gap is left from half a length before the first arriving point on
+    // (METHOD 6.1), and equally at every corner after.
+    let scene = corridor_a();
+    let mut path = Path::default();
+    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    let clearance = path.clearance().unwrap();
+    close(clearance.at, 45.0_f64.sqrt() - 0.75);
+    assert!((clearance.wall - scene.corners[0].point).amax() < 1e-12);
+}
