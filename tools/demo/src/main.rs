@@ -12,7 +12,7 @@ use bus::{Client, Domain};
 use clap::Parser;
 use replay::check;
 use replay::compare::Tolerance;
-use schemas::message::{Reply, SceneRequest, Trajectory};
+use schemas::message::{ClearanceWish, Reply, SceneRequest, Trajectory};
 
 use output::Row;
 use processes::Role;
@@ -76,7 +76,7 @@ fn run(arguments: Arguments) -> Result<ExitCode, Error> {
             let (reply, round_trip) = ask(&mut client, &request)?;
             let answer = reply.answers.clone().map_err(|refusal| refusal.message)?.remove(0);
             let trajectory = answer.as_ref().map_err(|refusal| refusal.message.clone())?;
-            rows.push(row(name, trajectory, round_trip));
+            rows.push(row(name, &request, trajectory, round_trip));
             match &mut whole {
                 None => whole = Some(reply),
                 Some(whole) => whole.answers.as_mut().expect("answers only").push(answer),
@@ -115,10 +115,14 @@ fn ask(client: &mut Client, scene: &SceneRequest) -> Result<(Reply, Duration), E
     Ok((reply.expect("asked at least once"), times[ROUNDS / 2]))
 }
 
-fn row(task: &str, trajectory: &Trajectory, round_trip: Duration) -> Row {
+fn row(task: &str, request: &SceneRequest, trajectory: &Trajectory, round_trip: Duration) -> Row {
+    let gaps = plan::output::gaps(trajectory);
     Row {
         task: task.to_owned(),
-        gap: plan::output::gaps(trajectory),
+        gap: match request.clearance {
+            ClearanceWish::Safest => format!("safest: {gaps}"),
+            _ => gaps,
+        },
         length: trajectory.length,
         clearance: trajectory.clearance.value,
         legs: trajectory.legs.iter().map(|leg| leg.clearance).collect(),
