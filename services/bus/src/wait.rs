@@ -31,7 +31,7 @@ pub const NET: Duration = Duration::from_millis(100);
 /// [`silence`] can't rule out.
 const NAP: Duration = Duration::from_millis(1);
 
-/// Why [`wait`] returned.
+/// Why a wait ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Woken {
     /// There may be something to do; look.

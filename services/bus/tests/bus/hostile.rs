@@ -67,12 +67,12 @@ mod other {
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::RequestHeader#0000000000000000")]
-    pub struct RequestHeader([[u64; 17]; 2]);
+    pub(crate) struct RequestHeader([[u64; 17]; 2]);
 
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::ReplyHeader#0000000000000000")]
-    pub struct ReplyHeader([u64; 19]);
+    pub(crate) struct ReplyHeader([u64; 19]);
 }
 
 #[test]
