@@ -340,8 +340,10 @@ impl PartSink for ReplySink<'_> {
             SendError::UnableToDeliver => ReplyError::Slow { patience: self.patience },
             error => bus(error),
         })?;
-        if let Some(client) = self.wake {
-            self.ringer.ring(client);
+        if let Some(client) = self.wake
+            && !self.ringer.ring(client)
+        {
+            self.wake = None;
         }
         Ok(())
     }
@@ -357,10 +359,11 @@ struct Ringer {
 }
 
 impl Ringer {
-    fn ring(&mut self, client: u64) {
+    /// Whether there was a bell to ring.
+    fn ring(&mut self, client: u64) -> bool {
         if let Some(at) = self.known.iter().position(|(known, _)| *known == client) {
             if self.port.notify_single_listener(&self.known[at].1).is_ok() {
-                return;
+                return true;
             }
             self.known.swap_remove(at);
         }
@@ -372,15 +375,15 @@ impl Ringer {
             found = bell.notify().is_ok().then(|| bell.listener_key());
             CallbackProgression::Stop
         });
-        match found {
-            Some(key) => {
-                // Who has left is in the list until then.
-                if self.known.len() == self.known.capacity() {
-                    self.known.clear();
-                }
-                self.known.push((client, key));
-            }
-            None => tracing::debug!(client, "could not ring"),
+        let Some(key) = found else {
+            tracing::debug!(client, "could not ring");
+            return false;
+        };
+        // Who has left is in the list until then.
+        if self.known.len() == self.known.capacity() {
+            self.known.clear();
         }
+        self.known.push((client, key));
+        true
     }
 }
