@@ -1,4 +1,8 @@
 //! On the warm path from request to reply the planner allocates nothing.
+//!
+//! The bus itself does: iceoryx2 0.10 counts references to each request that is taken and
+//! to each part that is loaned in a cell of the heap, 2 small allocations for a reply of
+//! one part. These are all; the tests would show one more.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -66,29 +70,52 @@ fn serve(server: &mut Server, cells: &mut Vec<u64>, workspace: &mut Workspace) {
     workspace.answer(&header, cells, &mut incoming.reply()).expect("the client takes its reply");
 }
 
-/// After `warm` requests of this kind the next ones allocate nothing.
+/// iceoryx2's allocations for a request that is taken (`port/server.rs`,
+/// `create_active_request`).
+const FOR_A_REQUEST: u64 = 1;
+
+/// iceoryx2's allocations for a part of a reply that is loaned
+/// (`port/details/chunk_mut_shared_state.rs`).
+const FOR_A_PART: u64 = 1;
+
+/// After a few requests of these kinds the next ones allocate nothing beside what the bus
+/// does.
 #[track_caller]
 fn check_warm(scenes: &[SceneRequest]) {
+    for how in [Wait::Poll, Wait::Hybrid] {
+        check_client(how, scenes);
+    }
+}
+
+#[track_caller]
+fn check_client(how: Wait, scenes: &[SceneRequest]) {
     let test = TestDomain::new();
     let options = ServerOptions { wait: Wait::Poll, ..ServerOptions::default() };
     let mut server = Server::open(&test.domain(), &options).unwrap();
-    let client = Client::connect(&test.domain(), Wait::Poll).unwrap();
+    let client = Client::connect(&test.domain(), how).unwrap();
     let (mut cells, mut workspace) = (Vec::new(), Workspace::default());
-    let mut round = || -> u64 {
+    // How many allocations there are beside the bus's.
+    let mut round = || -> i64 {
         let exchange = |scene| {
             let mut pending = client.send(scene).unwrap();
             let made = allocations(|| serve(&mut server, &mut cells, &mut workspace));
-            let reply = pending.wait(Instant::now() + LONG).unwrap();
-            let answers = reply.answers.expect("an answer to each wish");
-            assert!(answers.iter().all(Result::is_ok), "{answers:?}");
-            made
+            let mut parts = 0;
+            loop {
+                let part = pending.wait_part(Instant::now() + LONG).unwrap();
+                assert!(part.content.is_ok(), "{:?}", part.content);
+                parts += 1;
+                if part.last {
+                    break;
+                }
+            }
+            made as i64 - (FOR_A_REQUEST + FOR_A_PART * parts) as i64
         };
         scenes.iter().map(exchange).sum()
     };
-    let cold: u64 = (0..3).map(|_| round()).sum();
+    let cold: i64 = (0..3).map(|_| round()).sum();
     assert!(cold > 0, "else nothing is counted");
     let warm: Vec<_> = (0..50).map(|_| round()).collect();
-    assert_eq!(warm, [0; 50], "cold there were {cold} allocations");
+    assert_eq!(warm, [0; 50], "the client's way: {how:?}");
 }
 
 fn wish(clearance: ClearanceWish) -> SceneRequest {
@@ -106,7 +133,8 @@ fn channels_and_one_gap() {
 fn channels_and_several_gaps() {
     let each = [Choice::Gap(Gap::Uniform(0.01)), Choice::Gap(Gap::Uniform(0.2)), Choice::Safest];
     check_warm(&[wish(ClearanceWish::Each(each.to_vec()))]);
-    check_warm(&[wish(ClearanceWish::Curve(20))]);
+    // A reply of more parts would wait for a client in another thread.
+    check_warm(&[wish(ClearanceWish::Curve(7))]);
 }
 
 #[test]
@@ -117,10 +145,10 @@ fn solids_for_walls() {
 
 #[test]
 fn several_exits() {
-    use schemas::message::Direction::{PlusX, PlusZ};
+    use schemas::message::Direction::{MinusZ, PlusZ};
     let one = wish(ClearanceWish::Safest);
     check_warm(&[SceneRequest { exit: vec![PlusZ], ..one.clone() }]);
-    check_warm(&[SceneRequest { exit: vec![PlusZ, PlusX], ..one }]);
+    check_warm(&[SceneRequest { exit: vec![PlusZ, MinusZ], ..one }]);
 }
 
 #[test]

@@ -9,20 +9,18 @@ use cargo_metadata::Message;
 
 use crate::root;
 
-/// The packages whose programs are tested; a program has its package's name.
-const PACKAGES: [&str; 4] = ["planner", "plan", "recorder", "replay"];
-
 /// The program of this name, built from the sources as they are.
 ///
 /// Cargo builds programs for the tests of their own package, and tells only these where
-/// they are: `cargo test` for all packages builds no `planner`, as no test in its package needs
-/// one. So the tests ask cargo once for each test program, with the profile and the target
-/// directory that they were built with. That takes a fraction of a second when nothing is
-/// to do, and the programs are never older than their sources.
+/// they are: `cargo test --workspace` builds no `planner`, as no test in its package needs
+/// one. So each test program asks cargo once, with the profile and the target directory that
+/// it was built with itself. The selection is such that features are those of `cargo test
+/// --workspace`: only the programs are new then, and no dependency is built twice. Where
+/// nothing is to do, it takes a fraction of a second.
 pub fn program(name: &str) -> PathBuf {
     static PROGRAMS: OnceLock<BTreeMap<String, PathBuf>> = OnceLock::new();
     let programs = PROGRAMS.get_or_init(build);
-    programs.get(name).unwrap_or_else(|| panic!("{name} is not among {PACKAGES:?}")).clone()
+    programs.get(name).unwrap_or_else(|| panic!("{name} is not among {programs:?}")).clone()
 }
 
 fn build() -> BTreeMap<String, PathBuf> {
@@ -37,16 +35,18 @@ fn build() -> BTreeMap<String, PathBuf> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
         .current_dir(root())
-        .args(["build", "--bins", "--quiet", "--message-format=json-render-diagnostics"])
-        .args(PACKAGES.iter().flat_map(|package| ["--package", package]))
+        .args(["build", "--workspace", "--bins", "--test", "system"])
+        .args(["--quiet", "--message-format=json-render-diagnostics"])
         .args(["--profile", profile, "--target-dir"])
         .arg(target)
         .stderr(Stdio::inherit());
     let output = cargo.output().expect("cargo runs");
-    assert!(output.status.success(), "cargo could not build {PACKAGES:?}");
+    assert!(output.status.success(), "cargo could not build the programs");
     Message::parse_stream(output.stdout.as_slice())
         .filter_map(|message| match message.expect("cargo writes its messages whole") {
-            Message::CompilerArtifact(made) => Some((made.target.name, made.executable?.into())),
+            Message::CompilerArtifact(made) if made.target.is_bin() => {
+                Some((made.target.name, made.executable?.into()))
+            }
             _ => None,
         })
         .collect()
