@@ -7,10 +7,12 @@ use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::{AllocationStrategy, Node, PortFactory, PortName, ipc};
+use iceoryx2::service::builder::request_response::RequestResponseOpenError;
 use schemas::convert::{self, Malformed};
 use schemas::message::{
     AssembleError, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
 };
+use schemas::topic;
 use thiserror::Error;
 
 use crate::domain::{Domain, DomainError};
@@ -32,6 +34,16 @@ pub enum ConnectError {
         domain: Domain,
         /// What iceoryx2 says.
         cause: String,
+    },
+    /// The planner there is of another version.
+    #[error(
+        "the planner in domain {domain} does not speak layout {layout:016x}, as this client does"
+    )]
+    OtherLayout {
+        /// The domain.
+        domain: Domain,
+        /// This client's layout; see [`topic::layout_hash`].
+        layout: u64,
     },
     /// The operating system has no random numbers.
     #[error("can't draw a nonce: {0}")]
@@ -113,7 +125,12 @@ impl Client {
         let node = domain.join("client")?;
         let absent = |cause| ConnectError::NoPlanner { domain: domain.clone(), cause };
         let full = |cause| ConnectError::Full { domain: domain.clone(), cause };
-        let plan = ports::open_plan(&node).map_err(absent)?;
+        let plan = ports::open_plan(&node).map_err(|error| match error {
+            RequestResponseOpenError::IncompatibleRequestOrResponseType => {
+                ConnectError::OtherLayout { domain: domain.clone(), layout: topic::layout_hash() }
+            }
+            error => absent(ports::said(error)),
+        })?;
         let wake = ports::open_wake(&node).map_err(absent)?;
         let answered = ports::open_answered(&node).map_err(absent)?;
         if plan.dynamic_config().number_of_servers() == 0 {

@@ -1,11 +1,14 @@
 //! Domains keep systems on one machine apart.
 
+use std::fs::File;
+use std::os::unix::fs::DirBuilderExt;
 use std::time::Duration;
 
 use iceoryx2::prelude::{
     CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, Path, SemanticString,
     SignalHandlingMode, ipc,
 };
+use rustix::fs::FlockOperation;
 use thiserror::Error;
 
 use crate::wait;
@@ -75,6 +78,8 @@ impl Domain {
     pub(crate) fn join(&self, role: &str) -> Result<Node<ipc::Service>, DomainError> {
         let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
         wait::handle_signals().map_err(failed)?;
+        let _lock =
+            lock(FlockOperation::LockShared).map_err(|error| failed(format!("{ROOT}: {error}")))?;
         NodeBuilder::new()
             .name(&NodeName::new(role).expect("roles are short"))
             .config(&self.config())
@@ -87,6 +92,8 @@ impl Domain {
     /// 16 bytes in `/dev/shm` and empty directories. Does nothing while anybody,
     /// dead or alive, is in the domain.
     pub fn tidy(&self) {
+        // Nobody joins meanwhile. Whoever has joined is in the list.
+        let Ok(_lock) = lock(FlockOperation::LockExclusive) else { return };
         let config = self.config();
         let mut nodes = 0;
         let listed = Node::<ipc::Service>::list(&config, |_| {
@@ -97,9 +104,7 @@ impl Domain {
             return;
         }
         #[expect(unsafe_code, reason = "the file counts nodes, and there are none")]
-        // SAFETY: nobody is in the domain. A node that is created at this very moment
-        // finds either the old file or none and makes it anew; its id also holds its
-        // process number and the time.
+        // SAFETY: nobody is in the domain, and nobody comes while it is locked.
         let removed =
             unsafe { iceoryx2::testing::remove_global_mgmt_segment::<ipc::Service>(&config) };
         if let Err(error) = removed {
@@ -109,8 +114,18 @@ impl Domain {
         for directory in [config.global.node_dir(), config.global.service_dir()] {
             let _ = std::fs::remove_dir(directory.to_string());
         }
-        let _ = std::fs::remove_dir(config.global.root_path().to_string());
+        if !self.name.is_empty() {
+            let _ = std::fs::remove_dir(config.global.root_path().to_string());
+        }
     }
+}
+
+/// Locks all domains until the result is dropped: shared to join, alone to tidy up.
+fn lock(how: FlockOperation) -> std::io::Result<File> {
+    std::fs::DirBuilder::new().recursive(true).mode(0o750).create(ROOT)?;
+    let root = File::open(ROOT)?;
+    rustix::fs::flock(&root, how)?;
+    Ok(root)
 }
 
 impl std::fmt::Display for Domain {
@@ -124,5 +139,57 @@ impl std::str::FromStr for Domain {
 
     fn from_str(name: &str) -> Result<Self, DomainError> {
         Self::new(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_domain::test_domain;
+
+    #[track_caller]
+    fn check(name: &str, possible: bool) {
+        assert_eq!(Domain::new(name).is_ok(), possible, "{name:?}");
+    }
+
+    #[test]
+    fn names_are_parts_of_file_names() {
+        check("a", true);
+        check("7-Of_9", true);
+        check(&"x".repeat(MOST_NAME), true);
+        check(&"x".repeat(MOST_NAME + 1), false);
+        for name in ["", "-a", "_a", "a/b", "..", "a b", "\u{e4}", "a\0"] {
+            check(name, false);
+        }
+    }
+
+    #[test]
+    fn a_name_is_read_and_shown() {
+        assert_eq!("lab-2".parse::<Domain>().unwrap().to_string(), "lab-2");
+        assert_eq!(Domain::default().to_string(), "default");
+    }
+
+    #[test]
+    fn the_longest_name_can_be_joined() {
+        let name = format!("{:x<width$}", test_domain(), width = MOST_NAME);
+        let domain = Domain::new(&name).unwrap();
+        drop(domain.join("test").unwrap());
+        domain.tidy();
+        assert!(!std::path::Path::new(ROOT).join(name).exists());
+    }
+
+    #[test]
+    fn who_comes_while_the_last_one_tidies_up_can_join() {
+        let domain = test_domain();
+        std::thread::scope(|threads| {
+            for _ in 0..3 {
+                threads.spawn(|| {
+                    for _ in 0..50 {
+                        drop(domain.join("test").unwrap());
+                        domain.tidy();
+                    }
+                });
+            }
+        });
     }
 }

@@ -4,6 +4,7 @@
 //! iceoryx2 reserve one for every cell.
 
 use iceoryx2::prelude::{Node, ServiceName, ipc};
+use iceoryx2::service::builder::request_response::RequestResponseOpenError;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use schemas::topic;
 
@@ -56,13 +57,12 @@ pub(crate) fn create_plan(
         .map_err(said)
 }
 
-pub(crate) fn open_plan(node: &Node<ipc::Service>) -> Result<Plan, String> {
+pub(crate) fn open_plan(node: &Node<ipc::Service>) -> Result<Plan, RequestResponseOpenError> {
     node.service_builder(&name(topic::PLAN))
         .request_response::<[u64], [u64]>()
         .request_user_header::<RequestHeader>()
         .response_user_header::<ReplyHeader>()
         .open()
-        .map_err(said)
 }
 
 pub(crate) fn create_tap(

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::listener::Listener;
-use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::notifier::{ListenerKey, Notifier};
 use iceoryx2::port::{BackpressureAction, SendError};
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, CallbackProgression, Node, ipc};
 use iceoryx2::service::port_factory::server::ServerCreateError;
@@ -106,7 +106,7 @@ pub struct Server {
     port: Port,
     /// None where the planner polls.
     bell: Option<Listener<ipc::Service>>,
-    ringer: Notifier<ipc::Service>,
+    ringer: Ringer,
     tap: TapWriter,
     /// A service without a port is gone when its last factory is, and clients open it.
     _wake: ports::Bell,
@@ -182,6 +182,7 @@ impl Server {
             .notifier_builder()
             .create()
             .map_err(|error| failed("the reply bell")(ports::said(error)))?;
+        let ringer = Ringer { port: ringer, known: Vec::with_capacity(options.max_clients) };
         let tap = TapWriter::create(tap).map_err(failed("the tap"))?;
         Ok(Self {
             port,
@@ -204,7 +205,7 @@ impl Server {
                 self.tap.request(&active.user_header().0, active.payload());
                 Some(Incoming {
                     active,
-                    ringer: &self.ringer,
+                    ringer: &mut self.ringer,
                     tap: &mut self.tap,
                     patience: self.patience,
                 })
@@ -242,7 +243,7 @@ impl Server {
 #[derive(Debug)]
 pub struct Incoming<'a> {
     active: Active,
-    ringer: &'a Notifier<ipc::Service>,
+    ringer: &'a mut Ringer,
     tap: &'a mut TapWriter,
     patience: Duration,
 }
@@ -282,7 +283,7 @@ impl Incoming<'_> {
 #[derive(Debug)]
 pub struct ReplySink<'a> {
     active: &'a Active,
-    ringer: &'a Notifier<ipc::Service>,
+    ringer: &'a mut Ringer,
     tap: &'a mut TapWriter,
     patience: Duration,
     wake: Option<u64>,
@@ -339,22 +340,50 @@ impl PartSink for ReplySink<'_> {
             SendError::UnableToDeliver => ReplyError::Slow { patience: self.patience },
             error => bus(error),
         })?;
-        if let Some(client) = self.wake {
-            ring(self.ringer, client);
+        if let Some(client) = self.wake
+            && !self.ringer.ring(client)
+        {
+            self.wake = None;
         }
         Ok(())
     }
 }
 
-/// Rings the bell of one client: its listener has the client's nonce for a name.
-fn ring(ringer: &Notifier<ipc::Service>, client: u64) {
-    ringer.for_each_listener(|bell, listener| {
-        if u64::from_str_radix(listener.listener_name.as_str(), 16) != Ok(client) {
-            return CallbackProgression::Continue;
+/// Rings the bells of clients: a client's listener has its nonce for a name.
+#[derive(Debug)]
+struct Ringer {
+    port: Notifier<ipc::Service>,
+    /// Bells rung before. To look for one is slow, and iceoryx2 logs a long warning for
+    /// every bell of a client that was killed on the way.
+    known: Vec<(u64, ListenerKey)>,
+}
+
+impl Ringer {
+    /// Whether there was a bell to ring.
+    fn ring(&mut self, client: u64) -> bool {
+        if let Some(at) = self.known.iter().position(|(known, _)| *known == client) {
+            if self.port.notify_single_listener(&self.known[at].1).is_ok() {
+                return true;
+            }
+            self.known.swap_remove(at);
         }
-        if let Err(error) = bell.notify() {
-            tracing::debug!(?error, client, "could not ring");
+        let mut found = None;
+        self.port.for_each_listener(|bell, listener| {
+            if u64::from_str_radix(listener.listener_name.as_str(), 16) != Ok(client) {
+                return CallbackProgression::Continue;
+            }
+            found = bell.notify().is_ok().then(|| bell.listener_key());
+            CallbackProgression::Stop
+        });
+        let Some(key) = found else {
+            tracing::debug!(client, "could not ring");
+            return false;
+        };
+        // Who has left is in the list until then.
+        if self.known.len() == self.known.capacity() {
+            self.known.clear();
         }
-        CallbackProgression::Stop
-    });
+        self.known.push((client, key));
+        true
+    }
 }

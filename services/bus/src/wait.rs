@@ -27,11 +27,12 @@ pub const SPIN: Duration = Duration::from_micros(50);
 /// until a signal is seen.
 pub const NET: Duration = Duration::from_millis(100);
 
-/// How long the first sleep of a wait lasts at most: a finer net, for what
-/// [`silence`] can't rule out.
+/// How long the first sleep of a wait lasts at most: a finer net under what
+/// [`silence`] makes rare but can't rule out, a notifier that is held up for longer
+/// than the rounds of silencing take.
 const NAP: Duration = Duration::from_millis(1);
 
-/// Why [`wait`] returned.
+/// Why a wait ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Woken {
     /// There may be something to do; look.
@@ -108,10 +109,11 @@ fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() ->
     Ended::Unrung
 }
 
-/// Takes up all rings. Once is not enough: between marking a bell as rung and ringing
-/// it, a notifier can see its ring taken up with another's; the bell then counts as
-/// rung, nobody rings it again, and the sleeper sleeps on. A round that finds
-/// nothing leaves the bell unmarked.
+/// Takes up all rings, until a round finds none and so leaves the bell unmarked.
+///
+/// Once is not enough: between ringing a bell and marking it as rung, a notifier can see
+/// its ring taken up with another's. The bell then counts as rung, nobody rings it again,
+/// and who listens for rings alone sleeps on.
 fn silence(bell: &Listener<ipc::Service>) {
     while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}
 }

@@ -19,7 +19,7 @@ fn request(client: u64, sequence: u64) -> Request {
 /// A part for each answer.
 fn parts(reply: Reply) -> Vec<ReplyPart> {
     let answers = reply.answers.as_ref().map_or(0, |answers| answers.len() as u32);
-    let contents = reply.answers.map_or_else(|refusal| vec![Err(refusal)], |answers| answers);
+    let contents = reply.answers.unwrap_or_else(|refusal| vec![Err(refusal)]);
     let last = contents.len() - 1;
     let part = |(part, content)| ReplyPart {
         key: reply.key,

@@ -3,7 +3,9 @@
 use std::sync::mpsc;
 use std::time::Instant;
 
-use bus::{Client, ServerOptions, Wait};
+use bus::{Client, ConnectError, ServerOptions, Wait};
+use iceoryx2::prelude::{Config, FileName, NodeBuilder, Path, SemanticString, ipc};
+use iceoryx2::service::builder::request_response::RequestResponseOpenError;
 use proptest::prelude::*;
 use schemas::convert;
 use schemas::message::RequestKey;
@@ -67,21 +69,24 @@ mod other {
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::RequestHeader#0000000000000000")]
-    pub struct RequestHeader([[u64; 17]; 2]);
+    pub(crate) struct RequestHeader([[u64; 17]; 2]);
 
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::ReplyHeader#0000000000000000")]
-    pub struct ReplyHeader([u64; 19]);
+    pub(crate) struct ReplyHeader([u64; 19]);
+
+    pub(crate) type Builder = iceoryx2::service::builder::request_response::Builder<
+        [u64],
+        RequestHeader,
+        [u64],
+        ReplyHeader,
+        ipc::Service,
+    >;
 }
 
-#[test]
-fn another_layout_does_not_connect() {
-    use iceoryx2::prelude::*;
-    use iceoryx2::service::builder::request_response::RequestResponseOpenError;
-
-    let test = TestDomain::new();
-    let _planner = Planner::start(&test.domain, ServerOptions::default());
+/// The planning service of the other layout, opened or created.
+fn other_service<T>(test: &TestDomain, open: impl FnOnce(other::Builder) -> T) -> T {
     let mut config = Config::default();
     let prefix = format!("iox2_{}_", test.name());
     config.global.prefix = FileName::new(prefix.as_bytes()).unwrap();
@@ -90,11 +95,26 @@ fn another_layout_does_not_connect() {
     assert_eq!(size_of::<other::RequestHeader>(), size_of::<RequestHeader>());
     assert_eq!(size_of::<other::ReplyHeader>(), size_of::<schemas::wire::ReplyHeader>());
     let node = NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap();
-    let opened = node
-        .service_builder(&schemas::topic::PLAN.try_into().unwrap())
-        .request_response::<[u64], [u64]>()
-        .request_user_header::<other::RequestHeader>()
-        .response_user_header::<other::ReplyHeader>()
-        .open();
-    assert_eq!(opened.err(), Some(RequestResponseOpenError::IncompatibleRequestOrResponseType));
+    open(
+        node.service_builder(&schemas::topic::PLAN.try_into().unwrap())
+            .request_response::<[u64], [u64]>()
+            .request_user_header::<other::RequestHeader>()
+            .response_user_header::<other::ReplyHeader>(),
+    )
+}
+
+#[test]
+fn a_client_of_another_layout_does_not_connect() {
+    let test = TestDomain::new();
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let opened = other_service(&test, |builder| builder.open().map(drop));
+    assert_eq!(opened, Err(RequestResponseOpenError::IncompatibleRequestOrResponseType));
+}
+
+#[test]
+fn a_planner_of_another_layout_is_told_apart_from_none() {
+    let test = TestDomain::new();
+    let _planner = other_service(&test, |builder| builder.create().unwrap());
+    let client = Client::connect(&test.domain, Wait::Hybrid);
+    assert!(matches!(client, Err(ConnectError::OtherLayout { .. })), "{client:?}");
 }

@@ -6,17 +6,17 @@ use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bus::{Client, Domain, Server, ServerOptions, TapReader, Wait, Woken};
+use bus::{Domain, Server, ServerOptions, TapReader, Wait, Woken};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::support::*;
 
 /// A process that is killed when this is dropped.
-pub struct Process(Child);
+pub(crate) struct Process(Child);
 
 impl Process {
     /// Starts a process that plays `part`, and waits until it has said that it is ready.
-    pub fn start(part: &str, domain: &TestDomain) -> Self {
+    pub(crate) fn start(part: &str, domain: &TestDomain) -> Self {
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "process::run", "--ignored", "--nocapture"])
             .env("BUS_PART", part)
@@ -35,18 +35,18 @@ impl Process {
         Self(child)
     }
 
-    pub fn signal(&self, signal: Signal) {
+    pub(crate) fn signal(&self, signal: Signal) {
         kill_process(Pid::from_child(&self.0), signal).unwrap();
     }
 
     /// Ends it as a crash would.
-    pub fn kill(mut self) {
+    pub(crate) fn kill(mut self) {
         self.signal(Signal::KILL);
         self.0.wait().unwrap();
     }
 
     /// Waits until it ends by itself; whether that was in time and in order.
-    pub fn ends_within(mut self, limit: Duration) -> bool {
+    pub(crate) fn ends_within(mut self, limit: Duration) -> bool {
         let until = Instant::now() + limit;
         while Instant::now() < until {
             if let Some(status) = self.0.try_wait().unwrap() {

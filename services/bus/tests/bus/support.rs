@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -15,28 +15,28 @@ use schemas::message::{
 use schemas::wire;
 
 /// A limit that only a hang reaches.
-pub const LONG: Duration = Duration::from_secs(20);
+pub(crate) const LONG: Duration = Duration::from_secs(20);
 
 /// A domain that nobody else uses, and that must be empty in the end.
-pub struct TestDomain {
+pub(crate) struct TestDomain {
     pub domain: Domain,
     name: String,
 }
 
 impl TestDomain {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("test-{}-{count}", std::process::id());
         Self { domain: Domain::new(&name).unwrap(), name }
     }
 
-    pub fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
     /// What lies in memory and on disk for this domain.
-    pub fn files(&self) -> Vec<PathBuf> {
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
         let prefix = format!("iox2_{}_", self.name);
         let named = |path: &PathBuf| {
             path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix))
@@ -77,27 +77,25 @@ impl Drop for TestDomain {
 }
 
 /// A planner in a thread of its own, that ends when this is dropped.
-pub struct Planner {
+pub(crate) struct Planner {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
-    pub served: Arc<AtomicU64>,
 }
 
 impl Planner {
     /// Answers every request with [`trajectory`].
-    pub fn start(domain: &Domain, options: ServerOptions) -> Self {
+    pub(crate) fn start(domain: &Domain, options: ServerOptions) -> Self {
         Self::start_with(domain, options, |incoming| answer(&incoming.header(), incoming))
     }
 
-    pub fn start_with(
+    pub(crate) fn start_with(
         domain: &Domain,
         options: ServerOptions,
         mut serve: impl FnMut(&mut Incoming) -> Result<(), ReplyError> + Send + 'static,
     ) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
-        let served = Arc::new(AtomicU64::new(0));
         let (ready, opened) = std::sync::mpsc::channel();
-        let (domain, stopped, count) = (domain.clone(), Arc::clone(&stop), Arc::clone(&served));
+        let (domain, stopped) = (domain.clone(), Arc::clone(&stop));
         let thread = std::thread::spawn(move || {
             let mut server = Server::open(&domain, &options).unwrap();
             ready.send(()).unwrap();
@@ -106,12 +104,11 @@ impl Planner {
                 while let Some(mut incoming) = server.receive() {
                     // A client that is gone is no concern of the others.
                     let _ = serve(&mut incoming);
-                    count.fetch_add(1, Ordering::Relaxed);
                 }
             }
         });
         opened.recv().expect("the planner opens");
-        Self { stop, thread: Some(thread), served }
+        Self { stop, thread: Some(thread) }
     }
 }
 
@@ -126,7 +123,7 @@ impl Drop for Planner {
 }
 
 /// Waits for a planner to come up in another process.
-pub fn connect(domain: &Domain, how: Wait) -> Client {
+pub(crate) fn connect(domain: &Domain, how: Wait) -> Client {
     let until = Instant::now() + LONG;
     loop {
         match Client::connect(domain, how) {
@@ -140,7 +137,7 @@ pub fn connect(domain: &Domain, how: Wait) -> Client {
 }
 
 /// A scene; the answer has this many samples.
-pub fn scene(id: u64, samples: u64) -> SceneRequest {
+pub(crate) fn scene(id: u64, samples: u64) -> SceneRequest {
     SceneRequest {
         id: Some(id),
         task: Task::Disassemble,
@@ -157,12 +154,12 @@ pub fn scene(id: u64, samples: u64) -> SceneRequest {
     }
 }
 
-pub fn boxed(min: f64, max: f64) -> AxisBox {
+pub(crate) fn boxed(min: f64, max: f64) -> AxisBox {
     AxisBox { min: [min, min + 1.0].into(), max: [max, max + 2.0].into() }
 }
 
 /// The answer to `scene(id, samples)`.
-pub fn trajectory(id: u64, samples: u64) -> Trajectory {
+pub(crate) fn trajectory(id: u64, samples: u64) -> Trajectory {
     Trajectory {
         dimension: 2,
         gaps_per_junction: 2,
@@ -181,12 +178,15 @@ fn sample(id: u64, index: u64) -> wire::Sample {
 }
 
 /// The reply to `scene(id, samples)`.
-pub fn reply(key: RequestKey, id: u64, samples: u64) -> Reply {
+pub(crate) fn reply(key: RequestKey, id: u64, samples: u64) -> Reply {
     Reply { key, id: Some(id), answers: Ok(vec![Ok(trajectory(id, samples))]) }
 }
 
 /// Answers a request with [`trajectory`].
-pub fn answer(header: &wire::RequestHeader, incoming: &mut Incoming) -> Result<(), ReplyError> {
+pub(crate) fn answer(
+    header: &wire::RequestHeader,
+    incoming: &mut Incoming,
+) -> Result<(), ReplyError> {
     let trajectory = trajectory(header.id, header.sampling);
     let mut head = wire::ReplyHeader {
         version: wire::VERSION,
@@ -212,7 +212,7 @@ pub fn answer(header: &wire::RequestHeader, incoming: &mut Incoming) -> Result<(
 }
 
 /// Reads a request as the planner does.
-pub fn read(incoming: &Incoming) -> Result<SceneRequest, convert::Malformed> {
+pub(crate) fn read(incoming: &Incoming) -> Result<SceneRequest, convert::Malformed> {
     let mut cells = Vec::new();
     let header = incoming.copy(&mut cells);
     let mut scene = SceneRequest::empty();

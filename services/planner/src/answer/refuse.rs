@@ -1,5 +1,7 @@
 //! What planning refuses, in the words and numbers of a reply.
 
+use std::fmt;
+
 use planning::clearance::Clearance;
 use planning::disassembly::DisassemblyError;
 use planning::driving::DrivingError;
@@ -19,6 +21,21 @@ pub(super) const PLANE: Axes = [0, 2, 1];
 pub(super) const SPACE: Axes = [0, 1, 2];
 /// Driving lives in (x, y).
 pub(super) const FLOOR: Axes = [0, 1, 2];
+
+/// A number as people read it: to nanometres, without zeros at its end. The reply's
+/// fields have it in full.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size != 0.0 && !(1e-6..1e12).contains(&size) {
+            return write!(f, "{:e}", self.0);
+        }
+        let text = format!("{:.9}", self.0);
+        f.write_str(text.trim_end_matches('0').trim_end_matches('.'))
+    }
+}
 
 fn letter(axes: &Axes, coordinate: usize) -> char {
     ['x', 'y', 'z'][axes[coordinate] as usize]
@@ -45,9 +62,11 @@ pub(super) fn chain(axes: &Axes, error: ChainError) -> Refusal {
         }
         ChainError::Apart { first, second, axis, end, begin } => {
             let message = format!(
-                "channels {first} and {second} do not overlap along {}: one ends at {end}, the \
-                 other begins at {begin}; consecutive channels must share a junction",
-                letter(axes, axis)
+                "channels {first} and {second} do not overlap along {}: one ends at {}, the \
+                 other begins at {}; consecutive channels must share a junction",
+                letter(axes, axis),
+                Short(end),
+                Short(begin)
             );
             let refusal = Refusal::invalid(format!("free_space.channels[{second}]"), message);
             Refusal {
@@ -77,8 +96,10 @@ pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -
         }
         DisassemblyError::BodyOutside { axis, body, channel } => {
             let message = format!(
-                "the body reaches {body} along {}, outside the first channel, which ends at {channel}",
-                letter(axes, axis)
+                "the body reaches {} along {}, outside the first channel, which ends at {}",
+                Short(body),
+                letter(axes, axis),
+                Short(channel)
             );
             Refusal {
                 axis: Some(axes[axis]),
@@ -89,8 +110,10 @@ pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -
         }
         DisassemblyError::JunctionTooSmall { junction, axis, needs, has } => {
             let message = format!(
-                "junction {junction} is {has} m wide along {}, the body needs more than {needs} m",
-                letter(axes, axis)
+                "junction {junction} is {} m wide along {}, the body needs more than {} m",
+                Short(has),
+                letter(axes, axis),
+                Short(needs)
             );
             Refusal {
                 junction: Some(junction as u64),
@@ -102,9 +125,12 @@ pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -
         }
         DisassemblyError::GapOutOfRange { junction, axis, gap, least, most } => {
             let message = format!(
-                "a gap of {gap} m at junction {junction} along {} must be greater than {least} m \
-                 and less than {most} m",
-                letter(axes, axis)
+                "a gap of {} m at junction {junction} along {} must be greater than {} m and less \
+                 than {} m",
+                Short(gap),
+                letter(axes, axis),
+                Short(least),
+                Short(most)
             );
             Refusal {
                 field: Some(field),

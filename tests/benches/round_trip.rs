@@ -1,0 +1,186 @@
+//! What a round trip through the planner costs beside a bare one: iceoryx2
+//! request-response with the same payload sizes, in the same run, both sides polling.
+//!
+//! `cargo bench -p integration-tests --bench round_trip`
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use bus::{Client, Domain, Server, ServerOptions, Wait};
+use iceoryx2::prelude::{AllocationStrategy, Config, FileName, NodeBuilder, SemanticString, ipc};
+use iceoryx2::service::port_factory::request_response::PortFactory;
+use planner::Workspace;
+use schemas::convert::{CellWriter, PartSink, write_scene};
+use schemas::json::read_scene;
+use schemas::message::{ClearanceWish, Gap, RequestKey, Sampling, SceneRequest};
+use schemas::wire::{PART_CELLS, ReplyHeader, RequestHeader};
+
+/// Rounds of both, alternating, so that a noisy moment hits both.
+const ROUNDS: usize = 40;
+const CALLS: usize = 500;
+
+fn main() {
+    println!("medians of {} calls; both sides poll\n", ROUNDS * CALLS);
+    println!("{:>8} {:>9} {:>9} {:>10} {:>10} {:>7}", "samples", "request", "reply", "bare", "planner", "ratio");
+    for samples in [2, 100, 1_000, 3_000] {
+        measure(samples);
+    }
+}
+
+/// Section 4 at gap 0.2, with this many samples.
+fn scene(samples: u64) -> SceneRequest {
+    let text = include_str!("../../recordings/scenes/disassemble-channels.json");
+    SceneRequest {
+        clearance: ClearanceWish::Gap(Gap::Uniform(0.2)),
+        sampling: Some(Sampling::Count(samples)),
+        ..read_scene(text).expect("the project's own scene")
+    }
+}
+
+fn measure(samples: u64) {
+    let name = format!("bench-{}-{samples}", std::process::id());
+    let domain = Domain::new(&name).expect("letters, digits and hyphens");
+    let scene = scene(samples);
+    let mut cells = Vec::new();
+    let header = write_scene(&scene, RequestKey::default(), 0, &mut cells).expect("one dimension");
+    let reply = reply_sizes(&scene);
+    let stop = AtomicBool::new(false);
+    let mut bare_times = Vec::with_capacity(ROUNDS * CALLS);
+    let mut planner_times = Vec::with_capacity(ROUNDS * CALLS);
+
+    let options = ServerOptions { wait: Wait::Poll, ..ServerOptions::default() };
+    let mut server = Server::open(&domain, &options).expect("a domain of its own");
+    let bare = Bare::new(&name);
+    let bare_server = bare.server();
+    std::thread::scope(|scope| {
+        // Ports stay in the thread that made them.
+        let clients = scope.spawn(|| {
+            let mut client = Client::connect(&domain, Wait::Poll).expect("the server is up");
+            let bare = Bare::new(&name);
+            let bare_client = bare.client(cells.len());
+            for _ in 0..ROUNDS {
+                for _ in 0..CALLS {
+                    let begin = Instant::now();
+                    let request = bare_client.loan_slice_uninit(cells.len()).expect("a slot");
+                    let pending = request.write_from_slice(&cells).send().expect("the server is up");
+                    for _ in 0..reply.len() {
+                        while pending.receive().expect("the server is up").is_none() {
+                            std::hint::spin_loop();
+                        }
+                    }
+                    bare_times.push(begin.elapsed());
+                }
+                for _ in 0..CALLS {
+                    let begin = Instant::now();
+                    let pending = client.send_cells(header, &cells).expect("the server is up");
+                    let mut last = false;
+                    while !last {
+                        let part = pending.receive(|header, _| header.last != 0);
+                        last = part.expect("the server is up").unwrap_or(false);
+                    }
+                    planner_times.push(begin.elapsed());
+                }
+            }
+            stop.store(true, Ordering::Release);
+        });
+        let mut workspace = Workspace::default();
+        let mut memory = Vec::new();
+        while !stop.load(Ordering::Acquire) {
+            if let Some(mut incoming) = server.receive() {
+                let header = incoming.copy(&mut memory);
+                workspace.answer(&header, &memory, &mut incoming.reply()).expect("the client waits");
+            }
+            if let Some(request) = bare_server.receive().expect("a healthy connection") {
+                for cells in &reply {
+                    let response = request.loan_slice_uninit(*cells).expect("a slot");
+                    response.write_from_fn(|at| at as u64).send().expect("the client waits");
+                }
+            }
+        }
+        clients.join().expect("the clients' side");
+    });
+    let (bare, planner) = (median(&mut bare_times), median(&mut planner_times));
+    println!(
+        "{samples:>8} {:>7} B {:>7} B {:>7.2} µs {:>7.2} µs {:>7.2}",
+        cells.len() * 8 + size_of::<RequestHeader>(),
+        reply.iter().map(|cells| cells * 8 + size_of::<ReplyHeader>()).sum::<usize>(),
+        bare * 1e6,
+        planner * 1e6,
+        planner / bare
+    );
+}
+
+fn median(times: &mut [Duration]) -> f64 {
+    times.sort_unstable();
+    times[times.len() / 2].as_secs_f64()
+}
+
+/// Cells of each part of the planner's reply.
+fn reply_sizes(scene: &SceneRequest) -> Vec<usize> {
+    struct Sizes(Vec<usize>);
+    impl PartSink for Sizes {
+        type Error = std::convert::Infallible;
+
+        fn part(
+            &mut self,
+            _: &ReplyHeader,
+            cells: usize,
+            fill: impl FnOnce(&mut CellWriter),
+        ) -> Result<(), Self::Error> {
+            fill(&mut CellWriter::new(&mut vec![0; cells]));
+            self.0.push(cells);
+            Ok(())
+        }
+    }
+    let mut cells = Vec::new();
+    let header = write_scene(scene, RequestKey::default(), 0, &mut cells).expect("one dimension");
+    let mut sizes = Sizes(Vec::new());
+    let Ok(()) = Workspace::default().answer(&header, &cells, &mut sizes);
+    sizes.0
+}
+
+/// The floor: iceoryx2 alone, headers of the same sizes, payloads written but not computed.
+struct Bare {
+    service: PortFactory<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>,
+}
+
+impl Bare {
+    fn new(name: &str) -> Self {
+        const { assert!(size_of::<RequestHeader>() == 34 * 8 && size_of::<ReplyHeader>() == 19 * 8) };
+        let mut config = Config::default();
+        config.global.prefix = FileName::new(format!("bare_{name}_").as_bytes()).expect("a name");
+        let node = NodeBuilder::new().config(&config).create::<ipc::Service>().expect("a node");
+        let service = node
+            .service_builder(&"bare".try_into().expect("a name"))
+            .request_response::<[u64], [u64]>()
+            .request_user_header::<[[u64; 17]; 2]>()
+            .response_user_header::<[u64; 19]>()
+            .enable_safe_overflow_for_requests(false)
+            .enable_safe_overflow_for_responses(false)
+            .max_servers(1)
+            .max_clients(2)
+            .max_active_requests_per_client(2)
+            .max_response_buffer_size(8)
+            .open_or_create()
+            .expect("a service of its own");
+        Self { service }
+    }
+
+    fn server(&self) -> BareServer {
+        self.service
+            .server_builder()
+            .initial_max_slice_len(PART_CELLS)
+            .allocation_strategy(AllocationStrategy::Static)
+            .create()
+            .expect("the only server")
+    }
+
+    fn client(&self, cells: usize) -> BareClient {
+        self.service.client_builder().initial_max_slice_len(cells).create().expect("a place")
+    }
+}
+
+type BareServer =
+    iceoryx2::port::server::Server<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;
+type BareClient =
+    iceoryx2::port::client::Client<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;

@@ -1,0 +1,184 @@
+//! A mobile robot that drives through corridors.
+
+use std::fmt::Write;
+
+use schemas::message::{Curve, SceneRequest, Trajectory};
+
+use super::assembly::{along, dots, rim, thinned};
+use super::mark;
+use super::motion::{Motion, Placement};
+use super::plot::{Pixel, Plot, ring};
+use super::style;
+use super::text::Px;
+use super::world::{Point, point};
+
+/// Guiding circles that are drawn.
+const MOST_CIRCLES: usize = 120;
+
+/// The robot at the start, at the goal and on the way.
+pub(super) fn draw(
+    out: &mut String,
+    plot: &Plot,
+    (width, length): (f64, f64),
+    scene: &SceneRequest,
+    answer: Option<&Trajectory>,
+) {
+    let motion = answer.map(Motion::of);
+    let rectangle = |out: &mut String, placement: &Placement, tick: bool| {
+        out.push_str(r#"<path d=""#);
+        let corners = corners(placement, width, length);
+        ring(out, corners.iter().map(|corner| plot.pixel(*corner)), 4);
+        out.push_str(r#""/>"#);
+        if tick {
+            let [[x0, y0], [x1, y1]] = [corners[0], corners[3]].map(|p| plot.pixel(p).map(Px));
+            _ = write!(out, r#"<path d="M{x0} {y0}L{x1} {y1}" stroke-width="3"/>"#);
+        }
+    };
+    let (blue, green) = (style::BODY, style::GOAL);
+    if let Some(motion) = &motion {
+        circles(out, plot, motion);
+        _ = write!(
+            out,
+            r#"<g class="ghosts" fill="{blue}" fill-opacity="0.07" stroke="{blue}" stroke-opacity="0.3" stroke-width="0.7">"#
+        );
+        for at in between(motion, length) {
+            if let Some(placement) = motion.placement(at) {
+                rectangle(out, &placement, false);
+            }
+        }
+        _ = write!(
+            out,
+            r#"</g><g class="way-points" fill="none" stroke="{blue}" stroke-width="1.1">"#
+        );
+        let way_points = motion.way_points();
+        for placement in thinned(&way_points, 60) {
+            rectangle(out, placement, true);
+        }
+        out.push_str("</g>");
+    }
+    let way_points = motion.as_ref().map(Motion::way_points).unwrap_or_default();
+    let start = scene
+        .start
+        .map(|pose| Placement { position: point(&pose.position), heading: tame(pose.heading) });
+    let goal = scene.goal.map(|pose| {
+        let arrives = way_points.last().map_or(0.0, |last| last.heading);
+        let heading = pose.heading.map_or(arrives, tame);
+        (
+            Placement { position: point(&pose.position), heading },
+            pose.heading.is_some() || !way_points.is_empty(),
+        )
+    });
+    if let Some(start) = &start {
+        _ = write!(
+            out,
+            r#"<g class="start" fill="{}" fill-opacity="0.85" stroke="{blue}" stroke-width="1.6">"#,
+            style::BODY_FILL
+        );
+        rectangle(out, start, true);
+        out.push_str("</g>");
+    }
+    if let Some((goal, heading_known)) = &goal {
+        _ = write!(
+            out,
+            r#"<g class="goal" fill="{}" fill-opacity="0.85" stroke="{green}" stroke-width="1.6">"#,
+            style::GOAL_FILL
+        );
+        match heading_known {
+            true => rectangle(out, goal, true),
+            false => {
+                let [x, y] = plot.pixel(goal.position).map(Px);
+                let r = Px(width.min(length) / 2.0 * plot.scale);
+                _ = write!(out, r#"<circle cx="{x}" cy="{y}" r="{r}"/>"#);
+            }
+        }
+        out.push_str("</g>");
+    }
+    let (Some(answer), Some(motion)) = (answer, &motion) else { return };
+    let still = [0.0; 3];
+    plot.path(out, motion, still);
+    let mut busy: Vec<Pixel> = dots(out, plot, motion, still);
+    let clearance = &answer.clearance;
+    if let (true, Some(placement)) = (clearance.value.is_finite(), motion.placement(clearance.at)) {
+        let wall = point(&clearance.wall);
+        busy.extend(along(plot, motion, still));
+        busy.extend(rim(&corners(&placement, width, length).map(|p| plot.pixel(p))));
+        let near = nearest(&placement, width, length, wall);
+        mark::clearance(out, plot, wall, near, clearance.value, &busy);
+    }
+}
+
+fn tame(heading: f64) -> f64 {
+    if heading.is_finite() { heading } else { 0.0 }
+}
+
+/// The guiding circles, dashed, with the corners that they are about.
+fn circles(out: &mut String, plot: &Plot, motion: &Motion) {
+    let grey = style::SUBTLE;
+    _ = write!(
+        out,
+        r#"<g class="circles" fill="none" stroke="{grey}" stroke-width="0.9" stroke-dasharray="3 2.5">"#
+    );
+    let arcs: Vec<(Point, f64)> = motion
+        .curves()
+        .filter_map(|curve| match curve {
+            Curve::Arc { center, radius, .. } => Some((point(center), radius * plot.scale)),
+            _ => None,
+        })
+        .filter(|(_, radius)| *radius > 1.5)
+        .collect();
+    for (center, radius) in thinned(&arcs, MOST_CIRCLES) {
+        let [x, y] = plot.pixel(*center).map(Px);
+        _ = write!(out, r#"<circle cx="{x}" cy="{y}" r="{}"/>"#, Px(*radius));
+    }
+    _ = write!(out, r#"</g><g fill="{grey}">"#);
+    for (center, _) in thinned(&arcs, MOST_CIRCLES) {
+        let [x, y] = plot.pixel(*center).map(Px);
+        _ = write!(out, r#"<circle cx="{x}" cy="{y}" r="1.8"/>"#);
+    }
+    out.push_str("</g>");
+}
+
+/// Ahead on the left, behind on the left, behind on the right, ahead on the right.
+fn corners(placement: &Placement, width: f64, length: f64) -> [Point; 4] {
+    let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
+    let [x, y, _] = placement.position;
+    [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(ahead, left)| {
+        let (a, l) = (ahead * length / 2.0, left * width / 2.0);
+        [x + a * cos - l * sin, y + a * sin + l * cos, 0.0]
+    })
+}
+
+/// The point of the robot that is closest to `target`.
+fn nearest(placement: &Placement, width: f64, length: f64, target: Point) -> Point {
+    let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
+    let [x, y, _] = placement.position;
+    let (dx, dy) = (target[0] - x, target[1] - y);
+    let ahead = (dx * cos + dy * sin).clamp(-length / 2.0, length / 2.0);
+    let left = (dy * cos - dx * sin).clamp(-width / 2.0, width / 2.0);
+    [x + ahead * cos - left * sin, y + ahead * sin + left * cos, 0.0]
+}
+
+/// Arc lengths at which the robot is shown between the ends of legs: on lines about every
+/// length of the robot, on arcs closer.
+fn between(motion: &Motion, length: f64) -> Vec<f64> {
+    let least = motion.length() / 80.0;
+    let mut places = Vec::new();
+    let mut begin = 0.0;
+    for (curve, end) in motion.curves().zip(motion.ends()) {
+        let apart = match curve {
+            Curve::Arc { .. } => length * 0.35,
+            _ => length,
+        };
+        let count = ((end - begin) / apart.max(least)).round().clamp(0.0, 80.0) as usize;
+        places.extend((1..count).map(|step| begin + (end - begin) * step as f64 / count as f64));
+        begin = end;
+    }
+    places.truncate(200);
+    places
+}
+
+/// The corners of the robot wherever it certainly stands.
+pub(super) fn reach(motion: &Motion, width: f64, length: f64) -> Vec<Point> {
+    let way_points = motion.way_points();
+    way_points.iter().flat_map(|placement| corners(placement, width, length)).collect()
+}

@@ -1,0 +1,128 @@
+//! A trajectory as a curve: where the body is, and which way it looks, at an arc length.
+
+use std::f64::consts::FRAC_PI_2;
+
+use schemas::message::{Curve, Trajectory, Vector};
+
+use super::world::{Point, point};
+
+/// The curves of a motion with their lengths.
+pub(super) struct Motion {
+    curves: Vec<(Curve, f64)>,
+}
+
+/// Where the reference point is (for assembly tasks the displacement), and the heading.
+#[derive(Clone, Copy)]
+pub(super) struct Placement {
+    pub(super) position: Point,
+    pub(super) heading: f64,
+}
+
+/// More samples than this are not drawn, where there are no legs.
+const MOST_SAMPLES: usize = 2000;
+
+impl Motion {
+    pub(super) fn of(answer: &Trajectory) -> Self {
+        if !answer.legs.is_empty() {
+            let curves = answer.legs.iter().map(|leg| (leg.curve, finite(leg.length).max(0.0)));
+            return Self { curves: curves.collect() };
+        }
+        let stride = answer.samples.len().div_ceil(MOST_SAMPLES).max(1);
+        let samples: Vec<_> = answer.samples.iter().step_by(stride).collect();
+        let line = |pair: &[&schemas::message::Sample]| {
+            let [from, to] = [pair[0].position, pair[1].position].map(Vector::from);
+            let (a, b) = (point(&from), point(&to));
+            let length = libm::hypot(libm::hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
+            (Curve::Line { from, to, heading: pair[1].heading, turned: 0.0 }, length)
+        };
+        Self { curves: samples.windows(2).map(line).collect() }
+    }
+
+    pub(super) fn curves(&self) -> impl Iterator<Item = &Curve> {
+        self.curves.iter().map(|(curve, _)| curve)
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.curves.iter().map(|(_, length)| length).sum()
+    }
+
+    /// Begin of the first curve and end of each.
+    pub(super) fn way_points(&self) -> Vec<Placement> {
+        let begin = self.curves.first().map(|(curve, _)| at(curve, 0.0));
+        begin.into_iter().chain(self.curves().map(|curve| at(curve, 1.0))).collect()
+    }
+
+    /// The arc length at the end of each curve.
+    pub(super) fn ends(&self) -> Vec<f64> {
+        let sum = |total: &mut f64, (_, length): &(Curve, f64)| {
+            *total += length;
+            Some(*total)
+        };
+        self.curves.iter().scan(0.0, sum).collect()
+    }
+
+    /// Where the body is after so many metres.
+    pub(super) fn placement(&self, at_length: f64) -> Option<Placement> {
+        let mut left = finite(at_length).max(0.0);
+        for (curve, length) in &self.curves {
+            if left <= *length && *length > 0.0 {
+                return Some(at(curve, left / length));
+            }
+            left -= length;
+        }
+        match at_length > 0.0 {
+            true => self.curves.last().map(|(curve, _)| at(curve, 1.0)),
+            false => self.curves.first().map(|(curve, _)| at(curve, 0.0)),
+        }
+    }
+
+    /// The middle of the longest straight curve and the direction there.
+    pub(super) fn longest_line(&self) -> Option<(Point, Point)> {
+        let lines = self.curves.iter().filter_map(|(curve, length)| match curve {
+            Curve::Line { from, to, .. } => Some((point(from), point(to), *length)),
+            _ => None,
+        });
+        lines.max_by(|a, b| a.2.total_cmp(&b.2)).map(|(from, to, _)| (from, to))
+    }
+}
+
+/// The state after a part (0 to 1) of a curve.
+fn at(curve: &Curve, part: f64) -> Placement {
+    match curve {
+        Curve::Line { from, to, heading, turned } => {
+            let (a, b) = (point(from), point(to));
+            let position = std::array::from_fn(|i| a[i] + part * (b[i] - a[i]));
+            let heading = finite(heading - turned * (1.0 - part));
+            Placement { position, heading }
+        }
+        Curve::Arc { center, radius, start_angle, sweep } => {
+            let (center, radius) = (point(center), finite(*radius));
+            let angle = finite(start_angle + part * sweep);
+            let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+            let position = [center[0] + radius * cos, center[1] + radius * sin, center[2]];
+            Placement { position, heading: angle + FRAC_PI_2 * sweep.signum() }
+        }
+        Curve::Turn { position, from_heading, sweep, .. } => {
+            Placement { position: point(position), heading: finite(from_heading + part * sweep) }
+        }
+    }
+}
+
+/// The point after a part (0 to 1) of a curve.
+pub(super) fn along(curve: &Curve, part: f64) -> Point {
+    at(curve, part).position
+}
+
+/// The begin of a curve.
+pub(super) fn begin(curve: &Curve) -> Point {
+    at(curve, 0.0).position
+}
+
+/// The end of a curve.
+pub(super) fn end(curve: &Curve) -> Point {
+    at(curve, 1.0).position
+}
+
+fn finite(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value.clamp(-1e100, 1e100) }
+}
