@@ -83,10 +83,10 @@ fn cases() -> Vec<Case> {
         let code = "gap_out_of_range";
         cases.push(Case { line, code, field: Some("clearance.gap"), says });
     };
-    gap(json!(0), &["a gap of 0 m at junction 0 along x", "greater than 0 m", "0.2549"]);
-    gap(json!(-0.1), &["a gap of -0.1 m at junction 0 along x", "greater than 0 m", "0.2549"]);
-    gap(json!(0.5), &["a gap of 0.5 m at junction 0 along x", "less than 0.2549"]);
-    gap(json!([0.1, 0.6]), &["a gap of 0.6 m at junction 0 along z", "less than 0.5049"]);
+    gap(json!(0), &["a gap of 0 m at junction 0 along x", "greater than 0 m", "0.255"]);
+    gap(json!(-0.1), &["a gap of -0.1 m at junction 0 along x", "greater than 0 m", "0.255"]);
+    gap(json!(0.5), &["a gap of 0.5 m at junction 0 along x", "less than 0.255"]);
+    gap(json!([0.1, 0.6]), &["a gap of 0.6 m at junction 0 along z", "less than 0.505"]);
     let mut case = |line: String, code, field, says| cases.push(Case { line, code, field, says });
     let gaps = scene_with("/clearance", json!({"gaps": [0.1]}));
     case(gaps, invalid, Some("clearance.gaps"), &["1 gaps", "2 junctions"]);

@@ -129,7 +129,7 @@ fn gaps_beyond_their_limits_are_refused_with_the_limits() {
         assert_eq!((refusal.junction, refusal.axis), (Some(junction), Some(axis)));
         assert_eq!(refusal.least, Some(0.0));
         check_number("the limit of a gap", refusal.most.unwrap(), most);
-        assert!(refusal.message.contains(&refusal.most.unwrap().to_string()), "{refusal:?}");
+        assert!(refusal.message.contains(&most.to_string()), "{refusal:?}");
         assert!(refusal.message.contains(&refusal.has.unwrap().to_string()), "{refusal:?}");
     };
     check([per_axis(0.256, 0.1), per_axis(0.1, 0.1)], 0, 0, 0.255);
