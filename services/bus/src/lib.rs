@@ -25,7 +25,7 @@ pub use log::forward_to_tracing;
 pub use ports::most_memory;
 pub use server::{Incoming, OpenError, ReplyError, ReplyOptions, ReplySink, Server, ServerOptions};
 pub use tap::{TapEvent, TapMessage, TapReader};
-pub use wait::{Wait, Woken};
+pub use wait::{Wait, Woken, terminated};
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

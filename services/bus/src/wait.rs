@@ -139,7 +139,7 @@ pub(crate) fn handle_signals() -> Result<(), String> {
 
 /// Whether SIGINT or SIGTERM has asked to end since this process first took part in a
 /// domain. Costs one load.
-pub(crate) fn terminated() -> bool {
+pub fn terminated() -> bool {
     TERMINATED.as_ref().is_ok_and(|flag| flag.load(Ordering::Relaxed))
 }
 

@@ -103,7 +103,9 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
             true => Planner::Local { sequence: 0 },
             false => {
                 let domain = arguments.domain.clone().unwrap_or_default();
-                Planner::Running(Box::new(Client::connect(&domain, Wait::Hybrid)?))
+                let connected = Client::connect(&domain, Wait::Hybrid);
+                // Whoever came alone leaves nothing behind.
+                Planner::Running(Box::new(connected.inspect_err(|_| domain.tidy())?))
             }
         },
         out: BufWriter::new(io::stdout().lock()),

@@ -41,7 +41,8 @@ pub enum Failure {
 
 /// Records until SIGINT, SIGTERM or the time is up, then finishes the file.
 pub fn run(settings: &Settings) -> Result<Summary, Failure> {
-    let mut tap = connect(settings)?;
+    // Whoever came alone leaves nothing behind.
+    let mut tap = connect(settings).inspect_err(|_| settings.domain.tidy())?;
     let mut writer = Writer::create(&settings.output, Options { overwrite: settings.overwrite })?;
     tracing::info!(output = %settings.output.display(), "recording");
     let begin = Instant::now();
@@ -75,7 +76,7 @@ fn connect(settings: &Settings) -> Result<TapReader, ConnectError> {
     let mut told = false;
     loop {
         match TapReader::connect(&settings.domain) {
-            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until => {
+            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until && !bus::terminated() => {
                 if !told {
                     tracing::info!(domain = %settings.domain, "waiting for a planner");
                     told = true;

@@ -24,6 +24,7 @@ pub(super) struct Assembly<const D: usize> {
     channels: Vec<AxisBox<D>>,
     chain: Chain<D>,
     walls: Walls<D>,
+    exits: Vec<Direction>,
     gaps: Vec<Vector<D>>,
     path: Path<D>,
     clearances: Vec<Clearance<D>>,
@@ -35,7 +36,6 @@ struct Terms<'a, const D: usize> {
     scene: &'a SceneRequest,
     axes: Axes,
     body: Body<'a, D>,
-    exits: Vec<Direction>,
     limits: Limits,
     sampling: Sampling,
 }
@@ -112,19 +112,10 @@ impl Assembly<3> {
 
 impl<'a, const D: usize> Terms<'a, D> {
     fn new(scene: &'a SceneRequest, axes: Axes, body: Body<'a, D>) -> Result<Self, Refusal> {
-        let up = Direction {
-            axis: axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0),
-            sign: Sign::Positive,
-        };
-        let exits = match scene.exit.as_slice() {
-            [] => Ok(vec![up]),
-            exits => exits.iter().map(|exit| check::direction::<D>(&axes, *exit)).collect(),
-        };
         Ok(Self {
             scene,
             axes,
             body,
-            exits: exits?,
             limits: check::limits(&scene.limits)?,
             sampling: check::sampling(scene.sampling)?,
         })
@@ -153,8 +144,9 @@ impl<const D: usize> Assembly<D> {
             let field = || format!("free_space.channels[{index}]");
             self.channels.push(check::axis_box(field, &terms.axes, sides)?);
         }
-        if let [exit] = terms.exits.as_slice() {
-            self.prepare(terms, *exit)?;
+        self.set_exits(terms)?;
+        if let [exit] = self.exits[..] {
+            self.prepare(terms, exit)?;
         }
         let mut parts = Parts::new(key, scene.id, wishes.count, sink);
         for index in 0..wishes.count {
@@ -171,6 +163,19 @@ impl<const D: usize> Assembly<D> {
             }
         }
         Ok(Ok(()))
+    }
+
+    /// The ways out that the request names, or up.
+    fn set_exits(&mut self, terms: &Terms<D>) -> Result<(), Refusal> {
+        self.exits.clear();
+        for exit in &terms.scene.exit {
+            self.exits.push(check::direction::<D>(&terms.axes, *exit)?);
+        }
+        if self.exits.is_empty() {
+            let up = terms.axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0);
+            self.exits.push(Direction { axis: up, sign: Sign::Positive });
+        }
+        Ok(())
     }
 
     /// Makes the chain that leads to an exit, and its walls.
@@ -194,12 +199,12 @@ impl<const D: usize> Assembly<D> {
         index: u32,
     ) -> Result<Planned<D>, Refused> {
         let wish = wishes.get(index);
-        let exit = match terms.exits.as_slice() {
+        let exit = match self.exits[..] {
             [_] => {
                 self.find_path(terms, wish, || wishes.field(index))?;
                 None
             }
-            exits => Some(self.shortest(terms, exits, wish, || wishes.field(index))?),
+            _ => Some(self.shortest(terms, wish, || wishes.field(index))?),
         };
         if terms.scene.task == Task::Assemble {
             self.path.reverse();
@@ -222,15 +227,14 @@ impl<const D: usize> Assembly<D> {
     fn shortest(
         &mut self,
         terms: &Terms<D>,
-        exits: &[Direction],
         wish: Wish,
         field: impl Fn() -> String + Copy,
     ) -> Result<message::Direction, Refused> {
         let mut best: Option<(f64, usize)> = None;
         let mut first_refusal = None;
-        for (index, exit) in exits.iter().enumerate() {
+        for index in 0..self.exits.len() {
             let found = self
-                .prepare(terms, *exit)
+                .prepare(terms, self.exits[index])
                 .map_err(|refusal| Refused { refusal, whole: true })
                 .and_then(|()| self.find_path(terms, wish, field));
             match found {
@@ -245,7 +249,7 @@ impl<const D: usize> Assembly<D> {
         }
         match (best, first_refusal) {
             (Some((_, index)), _) => {
-                self.prepare(terms, exits[index])?;
+                self.prepare(terms, self.exits[index])?;
                 self.find_path(terms, wish, field)?;
                 Ok(terms.scene.exit[index])
             }

@@ -1,0 +1,173 @@
+//! The rules of the house: who knows whom, and what no file is or holds.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
+use integration_tests::root;
+
+static METADATA: LazyLock<Metadata> = LazyLock::new(|| {
+    let mut command = MetadataCommand::new();
+    command.current_dir(root()).no_deps().exec().expect("cargo describes the workspace")
+});
+
+/// Each of our packages, and what it depends on, by name.
+fn dependencies(counts: impl Fn(DependencyKind) -> bool) -> BTreeMap<String, BTreeSet<String>> {
+    let names = |package: &cargo_metadata::Package| {
+        let counted = package.dependencies.iter().filter(|on| counts(on.kind));
+        counted.map(|on| on.name.clone()).collect()
+    };
+    METADATA.packages.iter().map(|package| (package.name.to_string(), names(package))).collect()
+}
+
+const SERVICES: [&str; 5] = ["schemas", "planning", "bus", "recording", "planner"];
+const TOOLS: [&str; 3] = ["plan", "recorder", "replay"];
+
+#[test]
+fn dependencies_run_one_way() {
+    let allowed: BTreeMap<&str, Vec<&str>> = [
+        // Strangers to each other and to everybody.
+        ("planning", vec![]),
+        ("schemas", vec![]),
+        ("bus", vec!["schemas"]),
+        ("recording", vec!["schemas"]),
+        ("planner", vec!["planning", "schemas", "bus", "recording"]),
+        ("plan", SERVICES.to_vec()),
+        ("recorder", SERVICES.to_vec()),
+        ("replay", SERVICES.to_vec()),
+        // Shows what the other tools do, by their libraries.
+        ("demo", [&SERVICES[..], &TOOLS].concat()),
+        // Tests know everything.
+        ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
+    ]
+    .into();
+    let depends = dependencies(|_| true);
+    let ours: BTreeSet<_> = depends.keys().map(String::as_str).collect();
+    assert_eq!(ours, allowed.keys().copied().collect(), "a package has no rule, or a rule none");
+    for (package, on) in &depends {
+        let known: Vec<_> = on.iter().filter(|on| ours.contains(on.as_str())).collect();
+        for on in known {
+            assert!(allowed[package.as_str()].contains(&on.as_str()), "{package} knows {on}");
+        }
+    }
+}
+
+#[test]
+fn planning_is_pure() {
+    let on = &dependencies(|kind| kind == DependencyKind::Normal)["planning"];
+    let expected = ["libm", "nalgebra", "thiserror"].map(str::to_owned);
+    assert_eq!(*on, BTreeSet::from(expected), "no clock, no I/O, no threads, no logging, no serde");
+}
+
+/// Only `owner` depends on packages whose names begin so.
+#[track_caller]
+fn check_owner(owner: &str, prefix: &str) {
+    for (package, on) in dependencies(|_| true) {
+        let found = on.iter().find(|on| *on == prefix || on.starts_with(&format!("{prefix}-")));
+        assert_eq!(found.is_some(), package == owner, "{package} and {prefix}");
+    }
+}
+
+#[test]
+fn each_foreign_format_has_one_owner() {
+    check_owner("bus", "iceoryx2");
+    check_owner("recording", "mcap");
+    check_owner("schemas", "bincode");
+}
+
+/// Our source files and their text, this package's own included.
+fn sources() -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    for package in &METADATA.packages {
+        let directory = package.manifest_path.parent().expect("manifests lie in directories");
+        find_sources(directory.as_std_path(), &mut files);
+    }
+    assert!(files.len() > 50, "there are more files than these {}", files.len());
+    files
+}
+
+fn find_sources(directory: &Path, files: &mut Vec<(PathBuf, String)>) {
+    for entry in fs::read_dir(directory).expect("the directory can be read") {
+        let path = entry.expect("the directory can be read").path();
+        if path.is_dir() && path.file_name().is_some_and(|name| name != "target") {
+            find_sources(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = fs::read_to_string(&path).expect("sources are UTF-8");
+            files.push((path.strip_prefix(root()).expect("it lies here").to_owned(), text));
+        }
+    }
+}
+
+/// Lines of code, each with its number; comments are left out.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let lines = text.lines().map(str::trim_start).enumerate();
+    lines.filter(|(_, line)| !line.starts_with("//")).map(|(index, line)| (index + 1, line))
+}
+
+#[test]
+fn bincode_is_named_in_one_file() {
+    let names = |text: &str| code(text).any(|(_, line)| line.contains(concat!("bincode", "::")));
+    let found: Vec<_> =
+        sources().into_iter().filter(|(_, text)| names(text)).map(|(path, _)| path).collect();
+    assert_eq!(found, [Path::new("schemas/src/codec.rs")]);
+}
+
+#[test]
+fn planning_reads_no_clock_and_keeps_no_order_by_chance() {
+    for (path, text) in sources() {
+        // Tests may.
+        let test = path.to_string_lossy().contains("tests");
+        if !path.starts_with("services/planning/src") || test {
+            continue;
+        }
+        for (number, line) in code(&text) {
+            for word in [
+                "std::time",
+                "std::fs",
+                "std::io",
+                "std::thread",
+                "HashMap",
+                "HashSet",
+                "unsafe",
+                "mul_add",
+            ] {
+                assert!(!line.contains(word), "{}:{number} names {word}: {line}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn files_are_short_and_named_for_what_they_hold() {
+    for (path, text) in sources() {
+        let lines = text.lines().count();
+        assert!(lines < 600, "{} has {lines} lines, at most 599 are allowed", path.display());
+        let name = path.file_name().unwrap().to_string_lossy();
+        let vague = ["mod.rs", "util.rs", "utils.rs", "helper.rs", "helpers.rs", "common.rs"];
+        assert!(!vague.contains(&&*name), "{} says nothing by its name", path.display());
+        for (number, line) in code(&text) {
+            let vague = ["mod util", "mod helper", "mod common"]
+                .iter()
+                .any(|word| line.strip_prefix("pub ").unwrap_or(line).starts_with(word));
+            assert!(!vague, "{}:{number}: {line}", path.display());
+        }
+    }
+}
+
+#[test]
+fn lints_are_expected_with_a_reason_and_never_allowed() {
+    for (path, text) in sources() {
+        for (number, line) in code(&text) {
+            let place = format!("{}:{number}: {line}", path.display());
+            assert!(!line.starts_with(concat!("#[al", "low(")), "{place}");
+            assert!(!line.starts_with(concat!("#![al", "low(")), "{place}");
+            if line.starts_with("#[expect(") || line.starts_with("#![expect(") {
+                let attribute: String = text.lines().skip(number - 1).take(6).collect();
+                let attribute = attribute.split(")]").next().unwrap_or_default();
+                assert!(attribute.contains("reason ="), "{place}");
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! What the programs say, where they say it, and how they exit.
+
+use std::process::{Command, Stdio};
+
+use integration_tests::{Ended, TestDomain, program, root, scene_text};
+use serde_json::Value;
+
+fn scene_path(name: &str) -> String {
+    root().join("recordings/scenes").join(name).to_str().unwrap().to_owned()
+}
+
+/// `plan --local` with these arguments.
+fn plan(test: &TestDomain, arguments: &[&str]) -> Ended {
+    test.run("plan", &[&["--local"], arguments].concat())
+}
+
+#[test]
+fn help_names_the_exit_codes() {
+    let test = TestDomain::new();
+    for (name, codes) in [
+        ("planner", &["0 ended by a signal", "1 failure", "2 usage"][..]),
+        ("plan", &["0 every scene has a trajectory", "1 a scene was refused", "2 usage"]),
+        ("recorder", &["0 done", "1 failure", "2 usage", "3 messages were lost"]),
+        (
+            "replay",
+            &["0  done", "1  failure", "2  the arguments", "3  data was lost", "4  a regression"],
+        ),
+    ] {
+        let help = test.run(name, &["--help"]);
+        assert_eq!((help.code, help.stderr.as_str()), (Some(0), ""), "{name}");
+        // Lines are wrapped to the terminal's width.
+        let text = help.stdout.replace('\n', " ");
+        assert!(text.contains("Exit codes:"), "{name}: {text}");
+        assert!(codes.iter().all(|code| text.contains(code)), "{name}: {text}");
+        let version = test.run(name, &["--version"]);
+        assert_eq!(version.stdout, format!("{name} {}\n", env!("CARGO_PKG_VERSION")));
+    }
+}
+
+#[test]
+fn wrong_arguments_are_usage_errors() {
+    let test = TestDomain::new();
+    for (name, arguments) in [
+        ("planner", &["--colour"][..]),
+        ("planner", &["--domain", "../up"]),
+        ("planner", &["scene.json"]),
+        ("plan", &[]),
+        ("plan", &["scene.json", "--format", "xml"]),
+        ("plan", &["scene.json", "--timeout", "10"]),
+        ("plan", &["scene.json", "--domain", ""]),
+        ("recorder", &[]),
+        ("recorder", &["-o", "run.mcap", "--flush", "soon"]),
+        ("replay", &[]),
+        ("replay", &["rewind"]),
+        ("replay", &["recover", "run.mcap"]),
+    ] {
+        let ended = test.run(name, arguments);
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{name} {arguments:?}");
+        assert!(ended.stderr.contains("--help"), "{name} {arguments:?}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn without_a_planner_plan_says_what_to_do() {
+    let test = TestDomain::new();
+    let ended = test.plan(&[&scene_path("disassemble.json")]);
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(1), ""));
+    let name = test.domain();
+    let said = format!("plan: no planner runs in domain {name} (start one with `planner`)");
+    assert!(ended.stderr.starts_with(&said), "{}", ended.stderr);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_failures() {
+    let test = TestDomain::new();
+    let ended = plan(&test, &["nowhere.json"]);
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(1), ""));
+    assert!(ended.stderr.contains("can't read nowhere.json: No such file"), "{}", ended.stderr);
+    std::fs::write(test.path("binary.json"), [0xff, 0xfe]).unwrap();
+    let ended = plan(&test, &["binary.json"]);
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(1), ""));
+    assert!(ended.stderr.contains("can't read binary.json"), "{}", ended.stderr);
+}
+
+#[test]
+fn lines_on_stdin_are_answered_in_order() {
+    let test = TestDomain::new();
+    let scene: Value = serde_json::from_str(&scene_text("disassemble-channels.json")).unwrap();
+    let mut lines = String::new();
+    for id in [5, 3, 8, 1] {
+        let mut scene = scene.clone();
+        scene["id"] = id.into();
+        lines += &format!("{scene}\n\n");
+    }
+    let arguments = ["--local", "--format", "json", "-"];
+    let ended = test.start("plan", &arguments, Some(&lines)).wait();
+    assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
+    let replies = ended.stdout.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let ids: Vec<_> = replies.map(|reply| reply["id"].as_u64().unwrap()).collect();
+    assert_eq!(ids, [5, 3, 8, 1]);
+}
+
+#[test]
+fn text_has_a_row_for_each_answer_and_the_legs_of_one() {
+    let test = TestDomain::new();
+    let ended = plan(&test, &[&scene_path("disassemble.json")]);
+    assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
+    for said in ["(id 7): disassemble", "6.919200 m", "7.403234 m", "8.509942 m", "0.255/0.505"] {
+        assert!(ended.stdout.contains(said), "{}", ended.stdout);
+    }
+    let ended = plan(&test, &[&scene_path("disassemble-channels.json")]);
+    for said in ["table 1, rule 1, junction 0", "table 1, rule 3, junction 1", "(-0.300, 1.190)"] {
+        assert!(ended.stdout.contains(said), "{}", ended.stdout);
+    }
+    test.write("bad.json", "{}");
+    let ended = plan(&test, &["bad.json"]);
+    assert_eq!((ended.code, ended.stderr.as_str()), (Some(1), ""));
+    assert!(ended.stdout.contains("refused, invalid_scene: scene: missing field"), "{ended:?}");
+}
+
+#[test]
+fn csv_has_a_row_for_each_sample() {
+    let test = TestDomain::new();
+    test.write("bad.json", "{}");
+    let good = scene_path("disassemble-channels.json");
+    let ended = plan(&test, &["--format", "csv", "bad.json", &good]);
+    // Rows have no room for a refusal: it goes to stderr.
+    assert_eq!(ended.code, Some(1));
+    assert!(ended.stderr.starts_with("plan: bad.json: refused, invalid_scene"), "{}", ended.stderr);
+    let mut rows = ended.stdout.lines();
+    assert_eq!(rows.next(), Some("scene,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate"));
+    let rows: Vec<Vec<f64>> =
+        rows.map(|row| row.split(',').map(|value| value.parse().unwrap()).collect()).collect();
+    let json = plan(&test, &["--format", "json", &good]).stdout;
+    let reply: Value = serde_json::from_str(&json).unwrap();
+    let samples = reply["trajectories"][0]["samples"].as_array().unwrap();
+    assert_eq!(rows.len(), samples.len());
+    for (row, sample) in rows.iter().zip(samples) {
+        let number = |value: &Value| value.as_f64().unwrap();
+        let (position, velocity) = (&sample["position"], &sample["velocity"]);
+        // Assembly in two dimensions lives in (x, z).
+        let expected = [
+            2.0,
+            0.0,
+            number(&sample["t"]),
+            number(&position[0]),
+            0.0,
+            number(&position[1]),
+            number(&sample["heading"]),
+            number(&velocity[0]),
+            0.0,
+            number(&velocity[1]),
+            number(&sample["yaw_rate"]),
+        ];
+        assert_eq!(row.as_slice(), expected);
+    }
+}
+
+#[test]
+fn pictures_are_written_but_replace_nothing() {
+    let test = TestDomain::new();
+    let [one, two] = ["disassemble.json", "assemble.json"].map(scene_path);
+    let arguments = ["--svg", "picture.svg", one.as_str(), two.as_str()];
+    let drawn = plan(&test, &arguments);
+    assert_eq!((drawn.code, drawn.stderr.as_str()), (Some(0), ""));
+    assert!(test.path("picture.svg").exists() && test.path("picture-2.svg").exists());
+
+    test.write("picture.svg", "precious");
+    let refused = plan(&test, &arguments);
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.stderr.contains("picture.svg exists; --overwrite replaces it"), "{refused:?}");
+    assert_eq!(std::fs::read_to_string(test.path("picture.svg")).unwrap(), "precious");
+
+    let replaced = plan(&test, &[&arguments[..], &["--overwrite"]].concat());
+    assert_eq!(replaced.code, Some(0));
+    assert_ne!(std::fs::read_to_string(test.path("picture.svg")).unwrap(), "precious");
+}
+
+#[test]
+fn who_reads_no_further_is_no_failure() {
+    let test = TestDomain::new();
+    // More than a pipe holds, so that writing fails.
+    let scene = scene_path("disassemble.json");
+    let scenes = vec![scene.as_str(); 20];
+    for format in ["text", "json", "csv"] {
+        let mut plan = Command::new(program("plan"))
+            .args(["--local", "--format", format])
+            .args(&scenes)
+            .current_dir(test.path(""))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(plan.stdout.take());
+        let ended = plan.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&ended.stderr), "", "{format}");
+        assert_eq!(ended.status.code(), Some(0), "{format}");
+    }
+}

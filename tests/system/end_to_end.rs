@@ -1,0 +1,171 @@
+//! From scenes to trajectories to a recording to its replay.
+
+use integration_tests::{Ended, LONG, TestDomain, scene, scene_files};
+use recording::Message;
+use schemas::json;
+use schemas::message::{
+    ClearanceWish, Curve, ErrorCode, Gap, Leg, Refusal, Reply, RequestContent, SceneRequest,
+    Trajectory, Vector,
+};
+
+use crate::read::recording;
+
+fn trajectories(reply: Reply) -> Vec<Trajectory> {
+    let answers = reply.answers.expect("an answer to each wish");
+    answers.into_iter().map(|answer| answer.expect("a trajectory")).collect()
+}
+
+/// Equal to the last digits that decimals of the issue can say.
+#[track_caller]
+fn check_number(what: &str, found: f64, expected: f64) {
+    let far = (found - expected).abs();
+    assert!(far <= 1e-15 * expected.max(1.0), "{what} is {found:?}, expected {expected:?}");
+}
+
+#[test]
+fn every_scene_is_planned_recorded_and_replayed() {
+    let test = TestDomain::new();
+    let planner = test.planner(&[]);
+    let recorder = test.recorder("run.mcap", &[]);
+    let files = scene_files();
+    let files: Vec<_> = files.iter().map(|path| path.to_str().unwrap()).collect();
+
+    let begin = bus::now_ns();
+    let planned = test.plan(&[&["--format", "json"], files.as_slice()].concat());
+    let end = bus::now_ns();
+    assert_eq!((planned.code, planned.stderr.as_str()), (Some(0), ""));
+    assert_eq!(
+        planned,
+        test.run("plan", &[&["--local", "--format", "json"], files.as_slice()].concat())
+    );
+
+    let recorded = recorder.stop();
+    assert_eq!(recorded.code, Some(0));
+    assert_eq!(planner.stop().code, Some(0));
+    let replayed = test.run("replay", &["check", "run.mcap"]);
+    let count = files.len();
+    let summary = format!("run.mcap: {count} requests, {count} equal\n");
+    assert_eq!(replayed, Ended { code: Some(0), stdout: summary, stderr: String::new() });
+
+    let recording = recording(&test.path("run.mcap"));
+    let messages = recording.records.len();
+    assert!(recording.error.is_none());
+    assert_eq!(recorded.stdout, format!("run.mcap: {messages} messages recorded, 0 lost\n"));
+
+    // In bus order, each request before its reply, under the same key.
+    let mut asked = Vec::new();
+    let (mut published, mut logged) = (begin, begin);
+    for (sequence, record) in recording.records.iter().enumerate() {
+        assert_eq!(record.sequence as usize, sequence, "no message is missing");
+        assert!((published..=end).contains(&record.publish_ns), "sent in order, meanwhile");
+        assert!(record.log_ns >= logged.max(record.publish_ns), "taken in order, once sent");
+        (published, logged) = (record.publish_ns, record.log_ns);
+        match &record.message {
+            Message::Request(request) => asked.push(request.key),
+            Message::Reply(part) => assert_eq!(asked.last(), Some(&part.key)),
+        }
+    }
+    assert_eq!(asked.len(), count);
+    for (sequence, key) in asked.iter().enumerate() {
+        assert_eq!((key.client, key.sequence), (asked[0].client, sequence as u64));
+    }
+
+    // Requests as they were written, replies as they were printed.
+    let asked: Vec<_> = recording.requests().iter().map(|asked| asked.content.clone()).collect();
+    let written = files.iter().map(|path| {
+        let text = std::fs::read_to_string(path).unwrap();
+        RequestContent::Scene(json::read_scene(&text).unwrap())
+    });
+    assert_eq!(asked, written.collect::<Vec<_>>());
+    let replies = recording.replies();
+    let printed: String = replies.iter().map(|reply| json::reply_to_json(reply) + "\n").collect();
+    assert!(printed == planned.stdout, "the recorded replies are those printed");
+}
+
+#[test]
+fn section_4_has_the_papers_numbers() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    let [tight, wide, safest] =
+        trajectories(client.call(&scene("disassemble.json"), LONG).unwrap()).try_into().unwrap();
+    check_number("the length at gap 0.01", tight.length, 6.919200165541185);
+    check_number("the length at gap 0.2", wide.length, 7.403233666327680);
+    check_number("the length at the safest gap", safest.length, 8.509942243123480);
+
+    for (leg, clearance) in wide.legs.iter().zip([0.01, 0.2517622086923952, 0.2]) {
+        check_number("the clearance of a leg", leg.clearance, clearance);
+    }
+    check_number("the clearance", wide.clearance.value, 0.01);
+    for (gap, limit) in safest.gaps.iter().zip([0.255, 0.505, 0.755, 0.505]) {
+        check_number("a safest gap", *gap, limit);
+    }
+    for trajectory in [&tight, &wide, &safest] {
+        let rules: Vec<_> = trajectory.legs.iter().map(|leg| leg.rule).collect();
+        let rules: Vec<_> =
+            rules.into_iter().map(|rule| rule.map(|rule| (rule.table, rule.number))).collect();
+        assert_eq!(rules, [Some((1, 1)), Some((1, 3)), None]);
+        assert_eq!(trajectory.route, [0, 1, 2]);
+    }
+    // Without solids the channels' complement is the wall, and as far away on these paths.
+    let [channels] = trajectories(client.call(&scene("disassemble-channels.json"), LONG).unwrap())
+        .try_into()
+        .unwrap();
+    assert_eq!(channels.length, wide.length);
+    check_number("the clearance from the channels", channels.clearance.value, 0.01);
+}
+
+#[test]
+fn gaps_beyond_their_limits_are_refused_with_the_limits() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    let per_axis = |x: f64, z: f64| Gap::PerAxis([x, z].into());
+    let check = |gaps: [Gap; 2], junction: u64, axis: u32, most: f64| {
+        let clearance = ClearanceWish::Gaps(gaps.to_vec());
+        let scene = SceneRequest { clearance, ..scene("disassemble-channels.json") };
+        let refusal: Refusal = client.call(&scene, LONG).unwrap().answers.unwrap_err();
+        assert_eq!(refusal.code, ErrorCode::GapOutOfRange);
+        assert_eq!((refusal.junction, refusal.axis), (Some(junction), Some(axis)));
+        assert_eq!(refusal.least, Some(0.0));
+        check_number("the limit of a gap", refusal.most.unwrap(), most);
+        assert!(refusal.message.contains(&most.to_string()), "{refusal:?}");
+        assert!(refusal.message.contains(&refusal.has.unwrap().to_string()), "{refusal:?}");
+    };
+    check([per_axis(0.256, 0.1), per_axis(0.1, 0.1)], 0, 0, 0.255);
+    check([per_axis(0.1, 0.506), per_axis(0.1, 0.1)], 0, 2, 0.505);
+    check([per_axis(0.1, 0.1), per_axis(0.756, 0.1)], 1, 0, 0.755);
+    check([per_axis(0.1, 0.1), per_axis(0.1, 0.506)], 1, 2, 0.505);
+}
+
+fn way_points(trajectory: &Trajectory) -> Vec<(Vector, Vector)> {
+    let ends = |leg: &Leg| match leg.curve {
+        Curve::Line { from, to, .. } => (from, to),
+        Curve::Arc { .. } | Curve::Turn { .. } => panic!("a body of an assembly task translates"),
+    };
+    trajectory.legs.iter().map(ends).collect()
+}
+
+#[test]
+fn assembling_is_disassembling_in_reverse() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    let out = trajectories(client.call(&scene("disassemble.json"), LONG).unwrap());
+    let back = trajectories(client.call(&scene("assemble.json"), LONG).unwrap());
+    assert_eq!(out.len(), back.len());
+    for (out, back) in out.iter().zip(&back) {
+        let reversed: Vec<_> =
+            way_points(back).into_iter().rev().map(|(from, to)| (to, from)).collect();
+        assert_eq!(way_points(out), reversed);
+        let told = |leg: &Leg| (leg.length, leg.rule, leg.junction);
+        assert!(out.legs.iter().map(told).eq(back.legs.iter().rev().map(told)));
+        assert_eq!((&out.gaps, &out.route), (&back.gaps, &back.route));
+        check_number("the length", back.length, out.length);
+        check_number("the duration", back.duration, out.duration);
+        check_number("the clearance", back.clearance.value, out.clearance.value);
+        let [first, last] = [back.samples.first(), back.samples.last()].map(Option::unwrap);
+        assert_eq!(first.position, out.samples.last().unwrap().position);
+        assert_eq!(last.position, [0.0; 3], "assembled");
+    }
+}

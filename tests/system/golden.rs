@@ -1,0 +1,129 @@
+//! The recordings in `recordings/`: what was planned then is planned now.
+
+use std::path::{Path, PathBuf};
+
+use integration_tests::{TestDomain, root};
+use recording::{Message, Options, Writer};
+use schemas::message::ReplyPart;
+
+use crate::read::recording;
+
+/// The largest a recording in the repository may be, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+
+fn golden() -> Vec<PathBuf> {
+    let found = replay::check::find(&[root().join("recordings")]);
+    found.expect("there are recordings")
+}
+
+#[test]
+fn recordings_replay_bit_for_bit() {
+    let test = TestDomain::new();
+    let files = golden();
+    let mut arguments = vec!["check"];
+    arguments.extend(files.iter().map(|path| path.to_str().unwrap()));
+    let checked = test.run("replay", &arguments);
+    assert_eq!((checked.code, checked.stderr.as_str()), (Some(0), ""), "{}", checked.stdout);
+}
+
+#[test]
+fn recordings_are_small_and_described() {
+    let readme = std::fs::read_to_string(root().join("recordings/README.md")).unwrap();
+    let scenes = integration_tests::scene_files();
+    for path in golden().iter().chain(&scenes) {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(
+            readme.contains(&format!("`{name}`")),
+            "recordings/README.md has no row for {name}"
+        );
+        let bytes = path.metadata().unwrap().len();
+        assert!(bytes <= MOST_BYTES, "{name} has {bytes} bytes, at most {MOST_BYTES} are allowed");
+    }
+}
+
+/// Copies a recording with `change` made to each part of a reply.
+fn tampered(from: &Path, to: &Path, mut change: impl FnMut(&mut ReplyPart)) {
+    let mut writer = Writer::create(to, Options::default()).unwrap();
+    for record in recording(from).records {
+        match record.message {
+            Message::Request(request) => writer.write_request(&request, record.log_ns).unwrap(),
+            Message::Reply(mut part) => {
+                change(&mut part);
+                writer.write_reply(&part, record.log_ns).unwrap();
+            }
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn one_changed_bit_is_a_regression_that_says_where() {
+    let test = TestDomain::new();
+    let original = root().join("recordings/disassembly.mcap");
+    tampered(&original, &test.path("same.mcap"), |_| {});
+    assert_eq!(test.run("replay", &["check", "same.mcap"]).code, Some(0));
+
+    let (mut parts, mut recorded) = (0, None);
+    let mut key = None;
+    tampered(&original, &test.path("changed.mcap"), |part| {
+        parts += 1;
+        if parts == 2 {
+            let value = &mut part.content.as_mut().unwrap().samples[17].position[1];
+            let before = *value;
+            *value = before.next_up();
+            recorded = Some((before, *value));
+            key = Some((part.key, part.answer));
+        }
+    });
+    let ((planned, changed), (key, answer)) = (recorded.unwrap(), key.unwrap());
+    let checked = test.run("replay", &["check", "changed.mcap"]);
+    assert_eq!(checked.code, Some(4), "{checked:?}");
+    let place = format!("({key}): answer {answer}, sample 17, position[1]: recorded ");
+    let line = checked.stdout.lines().find(|line| line.contains(&place));
+    let line = line.unwrap_or_else(|| panic!("{place:?} is not in {}", checked.stdout));
+    // The values are told with all their digits.
+    let (_, values) = line.split_once(&place).unwrap();
+    let mut values = values.split([',', ' ']).filter_map(|word| word.parse::<f64>().ok());
+    assert_eq!(values.next(), Some(changed), "{line}");
+    assert_eq!(values.next(), Some(planned), "{line}");
+    let tolerant = test.run("replay", &["check", "changed.mcap", "--tolerance", "1e-12"]);
+    assert_eq!(tolerant.code, Some(0), "{tolerant:?}");
+}
+
+/// Reads the recordings with the Python package `mcap` (from PyPI). `CLEARWAY_PYTHON` names
+/// an interpreter that has it.
+#[test]
+#[ignore = "needs Python with the package mcap"]
+fn an_independent_reader_sees_the_same() {
+    let python = std::env::var("CLEARWAY_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    for path in golden() {
+        let read = std::process::Command::new(&python)
+            .arg(root().join("tests/system/read_mcap.py"))
+            .arg(&path)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&read.stderr);
+        assert!(read.status.success(), "{}: {said}", path.display());
+        let recording = recording(&path);
+        let mut expected = String::new();
+        for record in &recording.records {
+            let (topic, key) = match &record.message {
+                Message::Request(request) => (schemas::topic::REQUEST, request.key),
+                Message::Reply(part) => (schemas::topic::REPLY, part.key),
+            };
+            let bytes = match &record.message {
+                Message::Request(request) => schemas::codec::encode(request),
+                Message::Reply(part) => schemas::codec::encode(part),
+            };
+            let (log, publish) = (record.log_ns, record.publish_ns);
+            let (sequence, length) = (record.sequence, bytes.len());
+            expected += &format!(
+                "{topic} {sequence} {log} {publish} {} {} {length}\n",
+                key.client, key.sequence
+            );
+        }
+        let summary = recording.summary.unwrap();
+        expected += &format!("{} {} {}\n", summary.recorded, summary.lost, summary.gaps);
+        assert_eq!(String::from_utf8_lossy(&read.stdout), expected, "{}", path.display());
+    }
+}

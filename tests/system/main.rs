@@ -1,0 +1,10 @@
+//! The programs as people run them: real processes over real shared memory, each test in a
+//! domain of its own.
+
+mod bad_input;
+mod command_line;
+mod end_to_end;
+mod golden;
+mod planner;
+mod read;
+mod recorder;
