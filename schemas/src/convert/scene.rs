@@ -503,11 +503,12 @@ fn axis_box(cells: &[u64], dimension: usize) -> AxisBox {
 }
 
 fn point(cells: &[u64]) -> Vector {
-    let mut values = [0.0; Vector::MOST];
-    for (value, cell) in values.iter_mut().zip(cells) {
-        *value = f64::from_bits(*cell);
+    let number = f64::from_bits;
+    match *cells {
+        [x, y] => [number(x), number(y)].into(),
+        [x, y, z] => [number(x), number(y), number(z)].into(),
+        _ => numbers(bytemuck::cast_slice(cells)),
     }
-    numbers(&values[..cells.len()])
 }
 
 fn numbers(values: &[f64]) -> Vector {
