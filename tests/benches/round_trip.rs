@@ -21,7 +21,10 @@ const CALLS: usize = 500;
 
 fn main() {
     println!("medians of {} calls; both sides poll\n", ROUNDS * CALLS);
-    println!("{:>8} {:>9} {:>9} {:>10} {:>10} {:>7}", "samples", "request", "reply", "bare", "planner", "ratio");
+    println!(
+        "{:>8} {:>9} {:>9} {:>10} {:>10} {:>7}",
+        "samples", "request", "reply", "bare", "planner", "ratio"
+    );
     for samples in [2, 100, 1_000, 3_000] {
         measure(samples);
     }
@@ -62,7 +65,8 @@ fn measure(samples: u64) {
                 for _ in 0..CALLS {
                     let begin = Instant::now();
                     let request = bare_client.loan_slice_uninit(cells.len()).expect("a slot");
-                    let pending = request.write_from_slice(&cells).send().expect("the server is up");
+                    let pending =
+                        request.write_from_slice(&cells).send().expect("the server is up");
                     for _ in 0..reply.len() {
                         while pending.receive().expect("the server is up").is_none() {
                             std::hint::spin_loop();
@@ -88,7 +92,9 @@ fn measure(samples: u64) {
         while !stop.load(Ordering::Acquire) {
             if let Some(mut incoming) = server.receive() {
                 let header = incoming.copy(&mut memory);
-                workspace.answer(&header, &memory, &mut incoming.reply()).expect("the client waits");
+                workspace
+                    .answer(&header, &memory, &mut incoming.reply())
+                    .expect("the client waits");
             }
             if let Some(request) = bare_server.receive().expect("a healthy connection") {
                 for cells in &reply {

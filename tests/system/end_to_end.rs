@@ -90,8 +90,8 @@ fn section_4_has_the_papers_numbers() {
     let [tight, wide, safest] =
         trajectories(client.call(&scene("disassemble.json"), LONG).unwrap()).try_into().unwrap();
     check_number("the length at gap 0.01", tight.length, 6.919200165541185);
-    check_number("the length at gap 0.2", wide.length, 7.403233666327680);
-    check_number("the length at the safest gap", safest.length, 8.509942243123480);
+    check_number("the length at gap 0.2", wide.length, 7.40323366632768);
+    check_number("the length at the safest gap", safest.length, 8.50994224312348);
 
     for (leg, clearance) in wide.legs.iter().zip([0.01, 0.2517622086923952, 0.2]) {
         check_number("the clearance of a leg", leg.clearance, clearance);
