@@ -15,8 +15,8 @@ pub const REQUEST_SCHEMA: &str = include_str!("codec/request.txt");
 /// The layout of `/planner/reply` messages, in words.
 pub const REPLY_SCHEMA: &str = include_str!("codec/reply.txt");
 
-/// The most bytes that a decoded message may ask for. Without a limit a message of
-/// 83 bytes can ask for a gigabyte.
+/// The most bytes of a message. What a message announces reserves next to nothing
+/// (1 MiB at a time); memory is taken for what is there.
 pub const MOST_BYTES: usize = 256 << 20;
 
 /// Why bytes are not a message.
@@ -54,7 +54,7 @@ pub fn encode<T: Serialize>(message: &T) -> Vec<u8> {
 
 /// The message that `bytes` are, all of them.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DecodeError> {
-    let (message, used) = bincode::serde::decode_from_slice(bytes, configuration())
+    let (message, used) = bincode::serde::borrow_decode_from_slice(bytes, configuration())
         .map_err(|error| DecodeError::Malformed(error.to_string()))?;
     if used == bytes.len() {
         Ok(message)

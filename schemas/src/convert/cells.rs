@@ -32,6 +32,18 @@ pub enum Malformed {
         /// The greatest code there is.
         greatest: u64,
     },
+    /// A number is not what something else in the message demands.
+    #[error("{what} is {has}, but must be {needs} {when}")]
+    Mismatch {
+        /// Whose number.
+        what: &'static str,
+        /// What was read.
+        has: u64,
+        /// What it must be.
+        needs: u64,
+        /// What demands it.
+        when: &'static str,
+    },
     /// A text is not UTF-8.
     #[error("{what} is not UTF-8 at byte {at}")]
     NotText {
@@ -40,6 +52,19 @@ pub enum Malformed {
         /// The first byte that is not.
         at: u64,
     },
+}
+
+/// Fails unless a number is what something else in the message demands.
+pub(super) fn demand(
+    what: &'static str,
+    has: impl Into<u64>,
+    needs: u64,
+    when: &'static str,
+) -> Result<(), Malformed> {
+    match has.into() {
+        has if has == needs => Ok(()),
+        has => Err(Malformed::Mismatch { what, has, needs, when }),
+    }
 }
 
 /// Takes cells from the front.

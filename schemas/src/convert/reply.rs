@@ -119,6 +119,7 @@ mod present {
     /// `needs`; the bits of `has`, `least`, `most` and `heading` follow.
     pub(super) const NUMBERS: u64 = 1 << 2;
     pub(super) const FIELD: u64 = 1 << 7;
+    pub(super) const ALL: u64 = (FIELD << 1) - 1;
 }
 
 /// Longest message or field of a refusal that is passed on, bytes. A field can hold what a
@@ -191,12 +192,13 @@ pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malfo
         }
     };
     cells.end()?;
+    let has_id = codes::value("has_id", &[false, true], header.has_id.into())?;
     Ok(ReplyPart {
         key: RequestKey { client: header.client, sequence: header.sequence },
-        id: (header.has_id != 0).then_some(header.id),
+        id: has_id.then_some(header.id),
         sent_ns: header.sent_ns,
         part: header.part,
-        last: header.last != 0,
+        last: codes::value("last", &[false, true], header.last.into())?,
         answer: header.answer,
         answers: header.answers,
         content,
@@ -292,9 +294,13 @@ fn read_leg(leg: &wire::Leg, point: impl Fn(&[f64]) -> Vector) -> Result<Leg, Ma
 }
 
 fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal, Malformed> {
-    cells.expect("refusal", header.refusal.into())?;
+    let mut cells = CellReader::new(cells.take("refusal", header.refusal.into(), 1)?);
     let code = codes::value("error code", &ERRORS, cells.next("refusal")?)?;
     let bits = cells.next("refusal")?;
+    if bits & !present::ALL != 0 {
+        let (code, greatest) = (bits, present::ALL);
+        return Err(Malformed::UnknownCode { what: "present", code, greatest });
+    }
     let junction = cells.next("refusal")?;
     let axis = cells.next("refusal")?;
     let numbers = cells.take("refusal", 5, 1)?;
@@ -302,8 +308,9 @@ fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal,
         (bits & (present::NUMBERS << index) != 0).then(|| f64::from_bits(numbers[index]))
     };
     let (message_bytes, field_bytes) = (cells.next("refusal")?, cells.next("refusal")?);
-    let message = read_text("message", message_bytes, cells)?;
-    let field = read_text("field", field_bytes, cells)?;
+    let message = read_text("message", message_bytes, &mut cells)?;
+    let field = read_text("field", field_bytes, &mut cells)?;
+    cells.end()?;
     Ok(Refusal {
         code,
         message,

@@ -1,6 +1,6 @@
 //! Scene requests.
 
-use super::cells::{CellReader, Malformed};
+use super::cells::{CellReader, Malformed, demand};
 use super::codes::{self, DIRECTIONS, START_TURNS, TASKS};
 use crate::message::{
     AxisBox, Body, Choice, ClearanceWish, Footprint, FreeSpace, Gap, Goal, Limits, Pose, Refusal,
@@ -274,6 +274,11 @@ pub fn read_scene(
         let code = header.given;
         return Err(Malformed::UnknownCode { what: "given", code, greatest: given::ALL });
     }
+    demand("reserved", header.reserved, 0, "in this version")?;
+    let has = |bit: u64| header.given & bit != 0;
+    if has(given::START) || has(given::GOAL) {
+        demand("dimension", header.dimension, 2, "where there is a start or a goal")?;
+    }
     let dimension = header.dimension as usize;
     let mut cells = CellReader::new(cells);
     read_options(header, dimension, scene)?;
@@ -283,7 +288,6 @@ pub fn read_scene(
     }
     read_wish(header, &mut cells, &mut scene.clearance)?;
     read_body(header, dimension, &mut cells, &mut scene.body)?;
-    let has = |bit: u64| header.given & bit != 0;
 
     let taken = cells.take("channels", header.channels, 2 * dimension)?;
     if has(given::CHANNELS) {
@@ -291,11 +295,12 @@ pub fn read_scene(
         channels.clear();
         channels.extend(taken.chunks_exact(2 * dimension).map(|cells| axis_box(cells, dimension)));
     } else {
+        demand("channels", header.channels, 0, "where none are given")?;
         scene.free_space.channels = None;
     }
 
-    cells.expect("solids", header.solids)?;
     if has(given::SOLIDS) {
+        cells.expect("solids", header.solids)?;
         let solids = scene.free_space.solids.get_or_insert_default();
         solids.truncate(header.solids as usize);
         for index in 0..header.solids as usize {
@@ -305,6 +310,7 @@ pub fn read_scene(
             read_solid(dimension, &mut cells, &mut solids[index])?;
         }
     } else {
+        demand("solids", header.solids, 0, "where none are given")?;
         scene.free_space.solids = None;
     }
     cells.end()
@@ -361,27 +367,39 @@ fn read_wish(
     cells: &mut CellReader,
     wish: &mut ClearanceWish,
 ) -> Result<(), Malformed> {
-    cells.expect("choices", header.choices)?;
     match header.wish_kind {
         0 => {
-            *wish = match read_choice(cells)? {
+            demand("choices", header.choices, 1, "where each is not asked for")?;
+            let mut choice = match std::mem::replace(wish, ClearanceWish::Safest) {
+                ClearanceWish::Gaps(gaps) => Choice::Gaps(gaps),
+                _ => Choice::Safest,
+            };
+            read_choice(cells, &mut choice)?;
+            *wish = match choice {
                 Choice::Gap(gap) => ClearanceWish::Gap(gap),
                 Choice::Gaps(gaps) => ClearanceWish::Gaps(gaps),
                 Choice::Safest => ClearanceWish::Safest,
             };
         }
         1 => {
+            cells.expect("choices", header.choices)?;
             if !matches!(wish, ClearanceWish::Each(_)) {
                 *wish = ClearanceWish::Each(Vec::new());
             }
             if let ClearanceWish::Each(choices) = wish {
-                choices.clear();
-                for _ in 0..header.choices {
-                    choices.push(read_choice(cells)?);
+                choices.truncate(header.choices as usize);
+                for index in 0..header.choices as usize {
+                    if index == choices.len() {
+                        choices.push(Choice::Safest);
+                    }
+                    read_choice(cells, &mut choices[index])?;
                 }
             }
         }
-        2 => *wish = ClearanceWish::Curve(header.curve),
+        2 => {
+            demand("choices", header.choices, 0, "where a curve is asked for")?;
+            *wish = ClearanceWish::Curve(header.curve);
+        }
         code => {
             let code = code.into();
             return Err(Malformed::UnknownCode { what: "wish_kind", code, greatest: 2 });
@@ -390,16 +408,25 @@ fn read_wish(
     Ok(())
 }
 
-fn read_choice(cells: &mut CellReader) -> Result<Choice, Malformed> {
+fn read_choice(cells: &mut CellReader, choice: &mut Choice) -> Result<(), Malformed> {
     match cells.next("choice")? {
-        0 => Ok(Choice::Gap(read_gap(cells)?)),
+        0 => *choice = Choice::Gap(read_gap(cells)?),
         1 => {
             let count = cells.count("gaps")?;
-            (0..count).map(|_| read_gap(cells)).collect::<Result<_, _>>().map(Choice::Gaps)
+            if !matches!(choice, Choice::Gaps(_)) {
+                *choice = Choice::Gaps(Vec::new());
+            }
+            if let Choice::Gaps(gaps) = choice {
+                gaps.clear();
+                for _ in 0..count {
+                    gaps.push(read_gap(cells)?);
+                }
+            }
         }
-        2 => Ok(Choice::Safest),
-        code => Err(Malformed::UnknownCode { what: "choice", code, greatest: 2 }),
+        2 => *choice = Choice::Safest,
+        code => return Err(Malformed::UnknownCode { what: "choice", code, greatest: 2 }),
     }
+    Ok(())
 }
 
 fn read_gap(cells: &mut CellReader) -> Result<Gap, Malformed> {
@@ -417,8 +444,8 @@ fn read_body(
     body: &mut Body,
 ) -> Result<(), Malformed> {
     let taken = cells.take("body", header.body_points, dimension)?;
-    match (header.body_kind, header.body_points) {
-        (0, _) => {
+    match header.body_kind {
+        0 => {
             if !matches!(body, Body::Polygon(_)) {
                 *body = Body::Polygon(Vec::new());
             }
@@ -426,18 +453,17 @@ fn read_body(
                 fill_points(vertices, taken, dimension);
             }
         }
-        (1, 2) => *body = Body::Box(axis_box(taken, dimension)),
-        (2, 1) => {
+        1 => {
+            demand("body_points", header.body_points, 2, "for a box")?;
+            *body = Body::Box(axis_box(taken, dimension));
+        }
+        2 => {
+            demand("dimension", header.dimension, 2, "for a footprint")?;
+            demand("body_points", header.body_points, 1, "for a footprint")?;
             let (width, length) = (f64::from_bits(taken[0]), f64::from_bits(taken[1]));
             *body = Body::Footprint(Footprint { width, length });
         }
-        (1, points) => {
-            return Err(Malformed::UnknownCode { what: "body_points", code: points, greatest: 2 });
-        }
-        (2, points) => {
-            return Err(Malformed::UnknownCode { what: "body_points", code: points, greatest: 1 });
-        }
-        (code, _) => {
+        code => {
             let code = code.into();
             return Err(Malformed::UnknownCode { what: "body_kind", code, greatest: 2 });
         }

@@ -1,6 +1,9 @@
 //! The reply: trajectories, or why there is none.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{AxisBox, Direction, RequestKey, Sample, Vector};
 
@@ -147,8 +150,10 @@ pub struct Refusal {
     /// What kind of refusal.
     pub code: ErrorCode,
     /// In words, with the numbers.
+    #[serde(deserialize_with = "text")]
     pub message: String,
     /// The field of the request that is at fault, as a path.
+    #[serde(deserialize_with = "optional_text")]
     pub field: Option<String>,
     /// The junction (corner) concerned, counted in travel order.
     pub junction: Option<u64>,
@@ -187,6 +192,38 @@ impl Refusal {
     pub fn invalid(field: impl Into<String>, message: impl Into<String>) -> Self {
         Self { field: Some(field.into()), ..Self::new(ErrorCode::InvalidScene, message) }
     }
+}
+
+/// A text that is copied only once it is known to be there: the codec makes room for
+/// whatever length a `String` announces.
+struct Text(String);
+
+impl<'de> Deserialize<'de> for Text {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TextVisitor;
+
+        impl Visitor<'_> for TextVisitor {
+            type Value = Text;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a text")
+            }
+
+            fn visit_str<E>(self, text: &str) -> Result<Text, E> {
+                Ok(Text(text.to_owned()))
+            }
+        }
+
+        deserializer.deserialize_str(TextVisitor)
+    }
+}
+
+fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Text::deserialize(deserializer).map(|Text(text)| text)
+}
+
+fn optional_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    Ok(Option::deserialize(deserializer)?.map(|Text(text)| text))
 }
 
 /// The kinds of refusals.

@@ -1,20 +1,16 @@
 //! The scene request: what people write (as JSON) and what is planned from.
 //!
-//! The derives give both forms, JSON and the recorded one; the few types that
-//! people write in more than one way (a number or a list, say) are in
-//! [`crate::json`]'s care.
+//! The derives are for the recorded form; JSON, which people write in more ways than
+//! one, is [`crate::json`]'s care.
 
 use serde::{Deserialize, Serialize};
 
 use super::Vector;
-use crate::json;
 
 /// A scene to plan in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct SceneRequest {
     /// Echoed in the reply.
-    #[serde(default)]
     pub id: Option<u64>,
     /// What to plan.
     pub task: Task,
@@ -23,27 +19,20 @@ pub struct SceneRequest {
     /// What moves.
     pub body: Body,
     /// Assembly tasks: ways out of the part to try; none means `+z`.
-    #[serde(default, with = "json::one_or_many")]
     pub exit: Vec<Direction>,
     /// Driving: where the robot stands.
-    #[serde(default)]
     pub start: Option<Pose>,
     /// Driving: where it goes.
-    #[serde(default)]
     pub goal: Option<Goal>,
     /// Driving: how the robot takes up its first heading; none means in place.
-    #[serde(default)]
     pub start_turn: Option<StartTurn>,
     /// The clearance gaps wished for.
     pub clearance: ClearanceWish,
     /// How fast the body may move.
-    #[serde(default)]
     pub limits: Limits,
     /// Which states of the motion the reply holds; none means every 0.02 s.
-    #[serde(default)]
     pub sampling: Option<Sampling>,
     /// Seconds from arrival within which the answer is of use.
-    #[serde(default)]
     pub deadline: Option<f64>,
 }
 
@@ -81,25 +70,19 @@ pub enum Task {
 
 /// Where the body can move: by channels, by solids, or by both.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct FreeSpace {
     /// The channels.
-    #[serde(default)]
     pub channels: Option<Vec<AxisBox>>,
     /// Whether the channels stand in travel order, none skipped.
-    #[serde(default)]
     pub in_order: bool,
     /// What the body must not touch.
-    #[serde(default)]
     pub solids: Option<Vec<Solid>>,
     /// Outermost limits of the free space beside solids.
-    #[serde(default)]
     pub bounds: Option<AxisBox>,
 }
 
 /// A box with sides parallel to the axes; metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct AxisBox {
     /// The corner with the least coordinates.
     pub min: Vector,
@@ -131,7 +114,6 @@ pub enum Body {
 
 /// The rectangle that a mobile robot covers; metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Footprint {
     /// Across the heading.
     pub width: f64,
@@ -164,7 +146,6 @@ pub enum Direction {
 
 /// Where the robot stands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Pose {
     /// The footprint's centre, metres.
     pub position: Vector,
@@ -174,12 +155,10 @@ pub struct Pose {
 
 /// Where the robot goes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Goal {
     /// The footprint's centre, metres.
     pub position: Vector,
     /// Radians counter-clockwise from +x; none: the heading that it arrives with.
-    #[serde(default)]
     pub heading: Option<f64>,
 }
 
@@ -195,7 +174,7 @@ pub enum StartTurn {
 
 /// A clearance gap: one number for all axes, or one per axis (equation 3.1). In
 /// JSON a number or a list.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Gap {
     /// The same along every axis; metres.
     Uniform(f64),
@@ -205,7 +184,7 @@ pub enum Gap {
 
 /// How large the gaps are to be for one answer. Within `each` in JSON: a
 /// number, a list, `"safest"`, or an object with `gap` or `gaps`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Choice {
     /// The same at every junction.
     Gap(Gap),
@@ -217,7 +196,6 @@ pub enum Choice {
 
 /// The clearance gaps wished for: one answer, or several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum ClearanceWish {
     /// The same gap at every junction.
     Gap(Gap),
@@ -233,7 +211,6 @@ pub enum ClearanceWish {
 
 /// How fast the body may move; what is not given has the planner's default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct Limits {
     /// m/s; 1.0 where not given.
     pub speed: Option<f64>,

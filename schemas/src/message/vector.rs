@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// One to three numbers: a point, a size, or a gap per axis. Metres, in the
 /// scene's frame: (x, z) or (x, y) in two dimensions, (x, y, z) in three.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct Vector {
     values: [f64; 3],
     length: u8,
@@ -41,6 +41,13 @@ impl Vector {
     /// The numbers, zero where there are fewer than three.
     pub fn padded(&self) -> [f64; 3] {
         self.values
+    }
+}
+
+/// The origin in two dimensions.
+impl Default for Vector {
+    fn default() -> Self {
+        Self::from([0.0; 2])
     }
 }
 
@@ -81,8 +88,7 @@ impl<'de> Deserialize<'de> for Vector {
     }
 }
 
-/// Also called by the forms in which a list stands beside a single number.
-pub(super) struct VectorVisitor;
+struct VectorVisitor;
 
 impl<'de> Visitor<'de> for VectorVisitor {
     type Value = Vector;
@@ -92,18 +98,14 @@ impl<'de> Visitor<'de> for VectorVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Vector, A::Error> {
-        let mut vector = Vector::default();
-        while let Some(value) = sequence.next_element::<f64>()? {
-            let at = vector.dimension();
-            if at == Vector::MOST {
-                return Err(A::Error::invalid_length(at + 1, &self));
+        let (mut values, mut length) = ([0.0; Vector::MOST], 0);
+        while let Some(value) = sequence.next_element()? {
+            match values.get_mut(length) {
+                Some(place) => *place = value,
+                None => return Err(A::Error::invalid_length(length + 1, &self)),
             }
-            vector.values[at] = value;
-            vector.length += 1;
+            length += 1;
         }
-        if vector.length == 0 {
-            return Err(A::Error::invalid_length(0, &self));
-        }
-        Ok(vector)
+        Vector::new(&values[..length]).ok_or_else(|| A::Error::invalid_length(length, &self))
     }
 }

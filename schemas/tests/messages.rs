@@ -1,0 +1,20 @@
+//! The messages: pinned layouts, round trips, and what becomes of broken ones.
+
+#[path = "messages/described.rs"]
+mod described;
+#[path = "messages/examples.rs"]
+mod examples;
+#[path = "messages/hostile.rs"]
+mod hostile;
+#[path = "messages/json_reply.rs"]
+mod json_reply;
+#[path = "messages/json_scene.rs"]
+mod json_scene;
+#[path = "messages/memory.rs"]
+mod memory;
+#[path = "messages/pinned.rs"]
+mod pinned;
+#[path = "messages/round_trips.rs"]
+mod round_trips;
+#[path = "messages/strategies.rs"]
+mod strategies;
