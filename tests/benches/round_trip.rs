@@ -58,7 +58,7 @@ fn measure(samples: u64) {
     std::thread::scope(|scope| {
         // Ports stay in the thread that made them.
         let clients = scope.spawn(|| {
-            let mut client = Client::connect(&domain, Wait::Poll).expect("the server is up");
+            let client = Client::connect(&domain, Wait::Poll).expect("the server is up");
             let bare = Bare::new(&name);
             let bare_client = bare.client(cells.len());
             for _ in 0..ROUNDS {
@@ -147,7 +147,7 @@ fn reply_sizes(scene: &SceneRequest) -> Vec<usize> {
 
 /// The floor: iceoryx2 alone, headers of the same sizes, payloads written but not computed.
 struct Bare {
-    service: PortFactory<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>,
+    service: BareService,
 }
 
 impl Bare {
@@ -186,6 +186,7 @@ impl Bare {
     }
 }
 
+type BareService = PortFactory<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;
 type BareServer =
     iceoryx2::port::server::Server<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;
 type BareClient =
