@@ -135,6 +135,33 @@ impl From<Refusal> for Refused {
     }
 }
 
+/// Sends an answer to each wish: `answer` plans the one with this index and sends it, told
+/// whether it is the last. `Err`: the request as a whole is refused, and nothing has
+/// been sent.
+fn answer_each<'a, S: PartSink>(
+    key: RequestKey,
+    id: Option<u64>,
+    wishes: &Wishes,
+    sink: &'a mut S,
+    mut answer: impl FnMut(u32, bool, &mut Parts<'a, S>) -> Result<Result<(), S::Error>, Refused>,
+) -> Result<Result<(), S::Error>, Refusal> {
+    let mut parts = Parts::new(key, id, wishes.count, sink);
+    for index in 0..wishes.count {
+        let last = index + 1 == wishes.count;
+        let sent = match answer(index, last, &mut parts) {
+            Ok(sent) => sent,
+            Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
+                return Err(refused.refusal);
+            }
+            Err(refused) => parts.refuse(&refused.refusal, last),
+        };
+        if sent.is_err() {
+            return Ok(sent);
+        }
+    }
+    Ok(Ok(()))
+}
+
 /// The answers wished for.
 struct Wishes<'a> {
     clearance: &'a ClearanceWish,

@@ -14,7 +14,7 @@ use schemas::wire::ReplyHeader;
 
 use super::parts::{self, Parts};
 use super::refuse::{self, Axes, PLANE, SPACE};
-use super::{MOST_SAMPLES, Refused, Wish, Wishes, check};
+use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
@@ -148,21 +148,10 @@ impl<const D: usize> Assembly<D> {
         if let [exit] = self.exits[..] {
             self.prepare(terms, exit)?;
         }
-        let mut parts = Parts::new(key, scene.id, wishes.count, sink);
-        for index in 0..wishes.count {
-            let last = index + 1 == wishes.count;
-            let sent = match self.plan(terms, wishes, index) {
-                Ok(planned) => self.send(terms, &planned, wishes.sampled(), last, &mut parts),
-                Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
-                    return Err(refused.refusal);
-                }
-                Err(refused) => parts.refuse(&refused.refusal, last),
-            };
-            if sent.is_err() {
-                return Ok(sent);
-            }
-        }
-        Ok(Ok(()))
+        answer_each(key, scene.id, wishes, sink, |index, last, parts| {
+            let planned = self.plan(terms, wishes, index)?;
+            Ok(self.send(terms, &planned, wishes.sampled(), last, parts))
+        })
     }
 
     /// The ways out that the request names, or up.

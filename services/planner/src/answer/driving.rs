@@ -12,7 +12,7 @@ use schemas::wire::ReplyHeader;
 
 use super::parts::{self, Parts};
 use super::refuse::{self, FLOOR};
-use super::{MOST_SAMPLES, Wish, Wishes, check};
+use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
 
 /// Memory for driving tasks.
 #[derive(Debug, Default)]
@@ -64,21 +64,10 @@ impl Driving {
         }
 
         let mut safest = None;
-        let mut parts = Parts::new(key, scene.id, wishes.count, sink);
-        for index in 0..wishes.count {
-            let last = index + 1 == wishes.count;
-            let sent = match self.plan(&terms, wishes, index, &mut safest) {
-                Ok(()) => self.send(&terms, wishes.sampled(), last, &mut parts),
-                Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
-                    return Err(refused.refusal);
-                }
-                Err(refused) => parts.refuse(&refused.refusal, last),
-            };
-            if sent.is_err() {
-                return Ok(sent);
-            }
-        }
-        Ok(Ok(()))
+        answer_each(key, scene.id, wishes, sink, |index, last, parts| {
+            self.plan(&terms, wishes, index, &mut safest)?;
+            Ok(self.send(&terms, wishes.sampled(), last, parts))
+        })
     }
 
     /// Plans one answer; `path`, `gaps` and `profile` then hold it. `safest` is sought
@@ -89,7 +78,7 @@ impl Driving {
         wishes: &Wishes,
         index: u32,
         safest: &mut Option<f64>,
-    ) -> Result<(), super::Refused> {
+    ) -> Result<(), Refused> {
         let Self { chain, corners, walls, gaps, path, profile, .. } = self;
         let channels = chain.channels();
         let task = Drive {
