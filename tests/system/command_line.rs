@@ -115,7 +115,7 @@ fn text_has_a_row_for_each_answer_and_the_legs_of_one() {
     test.write("bad.json", "{}");
     let ended = plan(&test, &["bad.json"]);
     assert_eq!((ended.code, ended.stderr.as_str()), (Some(1), ""));
-    assert!(ended.stdout.contains("refused, invalid_scene: scene: missing field"), "{ended:?}");
+    assert!(ended.stdout.contains("refused, invalid_scene: task is missing"), "{ended:?}");
 }
 
 #[test]
