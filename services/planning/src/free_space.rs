@@ -4,6 +4,8 @@
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use thiserror::Error;
 
+pub mod solids;
+
 /// A closed half-space bounded by a plane across an axis (equation 2.1):
 /// `H_s(c)+ = {P: P_s >= c}` or `H_s(c)- = {P: P_s <= c}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
