@@ -78,7 +78,6 @@ pub(super) struct Sweep<const D: usize> {
 /// What stays the same during a sweep.
 struct Scene<'a, const D: usize> {
     bounds: Part<D>,
-    body: &'a Vector<D>,
     caps: &'a Caps,
 }
 
@@ -99,7 +98,7 @@ impl<const D: usize> Sweep<D> {
         self.steps = 0;
 
         let bounds = Part { min: bounds.min(), max: bounds.max() };
-        let scene = Scene { bounds, body, caps };
+        let scene = Scene { bounds, caps };
         if (0..D).all(|axis| is_larger(&bounds, axis, body)) {
             self.insert(bounds, &scene)?;
         }
