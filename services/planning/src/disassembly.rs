@@ -3,9 +3,9 @@
 //!
 //! Positions are displacements of the body from its assembled state, metres.
 
-use crate::free_space::{Chain, HalfSpace};
+use crate::free_space::{Chain, Corner, HalfSpace};
 use crate::geometry::{AxisBox, Sign, Vector};
-use crate::motion::{Curve, Leg};
+use crate::motion::{Curve, Leg, Rule};
 use std::mem;
 use table::{Margin, turn_in};
 use thiserror::Error;
@@ -160,35 +160,50 @@ pub fn disassemble<const D: usize>(
     let centered = matches!(gap, Gap::Safest) || gap == Gap::Fraction(1.0);
     let mut from = Vector::zeros();
     for (index, (corner, gap)) in chain.corners().iter().zip(&path.gaps).enumerate() {
-        let turn = turn_in::<D>(corner.approach, corner.leaving);
-        let junction = &corner.junction;
-        let mut to = from;
-        for axis in 0..D {
-            // (3.3), from the assembled state: where the body's least side is
-            // at the least margin, and its greatest side at the greatest one.
-            let least = junction.min()[axis] + gap[axis] - body.min()[axis];
-            let greatest = junction.max()[axis] - gap[axis] - body.max()[axis];
-            to[axis] = if centered {
-                // At the limit of (3.1) both margins mean the middle, said
-                // without rounding, so that legs along an axis stay exactly so.
-                junction.center()[axis] - body.center()[axis]
-            } else if axis == turn.horizontal.0 {
-                turn.horizontal.1.choose(least, greatest)
-            } else if axis == turn.vertical.0 {
-                turn.vertical.1.choose(least, greatest)
-            } else {
-                // Idle in three dimensions: any value between is as safe; hold.
-                from[axis].min(greatest).max(least)
-            };
-        }
-        let (junction, rule) = (Some(index), Some(turn.rule));
+        let gap = if centered { None } else { Some(gap) };
+        let (to, rule) = target(corner, (&body.min(), &body.max()), gap, &from);
+        let (junction, rule) = (Some(index), Some(rule));
         path.legs.push(Leg { curve: line(from, to), junction, rule });
         from = to;
     }
-    let to = out_of_the_mouth(body, &mouth, from);
+    let to = out_of_the_mouth((&body.min(), &body.max()), &mouth, from);
     path.legs.push(Leg { curve: line(from, to), junction: None, rule: None });
     path.length = path.legs.iter().map(|leg| leg.curve.length()).sum();
     Ok(())
+}
+
+/// Where the rule for a corner puts a body that comes from the displacement `from`,
+/// given its least and greatest corner in the assembled state, and the rule.
+/// `gap` is `None` at the limit of (3.1).
+pub(crate) fn target<const D: usize>(
+    corner: &Corner<D>,
+    (body_min, body_max): (&Vector<D>, &Vector<D>),
+    gap: Option<&Vector<D>>,
+    from: &Vector<D>,
+) -> (Vector<D>, Rule) {
+    let turn = turn_in::<D>(corner.approach, corner.leaving);
+    let junction = &corner.junction;
+    let Some(gap) = gap else {
+        // At the limit of (3.1) both margins mean the middle, said without
+        // rounding, so that legs along an axis stay exactly so.
+        return (junction.center() - (body_min + body_max) / 2.0, turn.rule);
+    };
+    let mut to = *from;
+    for axis in 0..D {
+        // (3.3), from the assembled state: where the body's least side is
+        // at the least margin, and its greatest side at the greatest one.
+        let least = junction.min()[axis] + gap[axis] - body_min[axis];
+        let greatest = junction.max()[axis] - gap[axis] - body_max[axis];
+        to[axis] = if axis == turn.horizontal.0 {
+            turn.horizontal.1.choose(least, greatest)
+        } else if axis == turn.vertical.0 {
+            turn.vertical.1.choose(least, greatest)
+        } else {
+            // Idle in three dimensions: any value between is as safe; hold.
+            from[axis].min(greatest).max(least)
+        };
+    }
+    (to, turn.rule)
 }
 
 fn line<const D: usize>(from: Vector<D>, to: Vector<D>) -> Curve<D> {
@@ -206,15 +221,15 @@ impl Margin {
 }
 
 /// Definition 3.2, closed: the body's last side exactly at the mouth.
-fn out_of_the_mouth<const D: usize>(
-    body: &AxisBox<D>,
+pub(crate) fn out_of_the_mouth<const D: usize>(
+    (body_min, body_max): (&Vector<D>, &Vector<D>),
     mouth: &HalfSpace,
     from: Vector<D>,
 ) -> Vector<D> {
     let axis = mouth.side.axis;
     let last_side = match mouth.side.sign {
-        Sign::Negative => body.min()[axis],
-        Sign::Positive => body.max()[axis],
+        Sign::Negative => body_min[axis],
+        Sign::Positive => body_max[axis],
     };
     let mut to = from;
     to[axis] = mouth.bound - last_side;

@@ -4,6 +4,10 @@
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use thiserror::Error;
 
+pub mod graph;
+pub mod route;
+pub mod solids;
+
 /// A closed half-space bounded by a plane across an axis (equation 2.1):
 /// `H_s(c)+ = {P: P_s >= c}` or `H_s(c)- = {P: P_s <= c}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,12 +147,7 @@ impl<const D: usize> Chain<D> {
     /// what lies outside it is free (definition 3.2, read as the mouth of the
     /// last channel).
     pub fn mouth(&self) -> Option<HalfSpace> {
-        let (exit, last) = (self.exit?, self.channels.last()?);
-        let bound = match exit.sign {
-            Sign::Positive => last.max()[exit.axis],
-            Sign::Negative => last.min()[exit.axis],
-        };
-        Some(HalfSpace { side: Direction { axis: exit.axis, sign: exit.sign.opposite() }, bound })
+        Some(mouth_of(self.channels.last()?, self.exit?))
     }
 
     fn clear(&mut self) {
@@ -231,15 +230,7 @@ impl<const D: usize> Chain<D> {
                 Some(before) => self.corners[before].junction.center(),
                 None => *start,
             };
-            let possible = self.possible[index] & !after;
-            let mut best: Option<(usize, f64)> = None;
-            for axis in (0..D).filter(|axis| possible >> axis & 1 == 1) {
-                let distance = (to[axis] - from[axis]).abs();
-                if best.is_none_or(|(_, most)| distance > most) {
-                    best = Some((axis, distance));
-                }
-            }
-            let axis = best.map_or(0, |(axis, _)| axis);
+            let axis = longest(self.possible[index] & !after, &from, &to).unwrap_or(0);
             self.axes[index] = axis;
             after = 1 << axis;
             to = from;
@@ -253,16 +244,44 @@ impl<const D: usize> Chain<D> {
         let channel = &self.channels[index];
         let before = index.checked_sub(1).and_then(|before| self.corners.get(before));
         let after = self.corners.get(index);
-        let mut bits = 0;
-        for corner in before.into_iter().chain(after) {
-            for axis in 0..D {
-                let proper = corner.junction.min()[axis] > channel.min()[axis]
-                    || corner.junction.max()[axis] < channel.max()[axis];
-                bits |= u8::from(proper) << axis;
-            }
-        }
-        if bits == 0 { (1 << D) - 1 } else { bits }
+        let corners = before.into_iter().chain(after);
+        let bits = corners.fold(0, |bits, corner| bits | proper(&corner.junction, channel));
+        if bits == 0 { all_axes::<D>() } else { bits }
     }
+}
+
+/// The coordinates in which `part` is a proper part of `channel`, as bits.
+fn proper<const D: usize>(part: &AxisBox<D>, channel: &AxisBox<D>) -> u8 {
+    (0..D).fold(0, |bits, axis| {
+        let less = part.min()[axis] > channel.min()[axis] || part.max()[axis] < channel.max()[axis];
+        bits | u8::from(less) << axis
+    })
+}
+
+const fn all_axes<const D: usize>() -> u8 {
+    (1 << D) - 1
+}
+
+/// Of the axes in `possible` the one along which `from` and `to` are farthest
+/// apart, the lowest if several are.
+fn longest<const D: usize>(possible: u8, from: &Vector<D>, to: &Vector<D>) -> Option<usize> {
+    let mut best: Option<(usize, f64)> = None;
+    for axis in (0..D).filter(|axis| possible >> axis & 1 == 1) {
+        let distance = (to[axis] - from[axis]).abs();
+        if best.is_none_or(|(_, most)| distance > most) {
+            best = Some((axis, distance));
+        }
+    }
+    best.map(|(axis, _)| axis)
+}
+
+/// The half-space that ends where a channel ends along `exit`.
+fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace {
+    let bound = match exit.sign {
+        Sign::Positive => channel.max()[exit.axis],
+        Sign::Negative => channel.min()[exit.axis],
+    };
+    HalfSpace { side: Direction { axis: exit.axis, sign: exit.sign.opposite() }, bound }
 }
 
 /// The direction along `axis` that leads from one point to the other.

@@ -1,0 +1,177 @@
+//! Channels from solids: the maximal boxes of what they leave free.
+
+use crate::geometry::polygon::Polygon;
+use crate::geometry::{AxisBox, Direction, Sign, Vector};
+use sweep::Sweep;
+use thiserror::Error;
+
+mod outline;
+mod sweep;
+
+/// How much may be spent on one free space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Caps {
+    /// Boxes that the solids may be cut into.
+    pub pieces: usize,
+    /// Channels found, and boxes considered at one time (each at most
+    /// `24 D + 48` bytes).
+    pub channels: usize,
+    /// Boxes looked at, in all: bounds the time, about 10 ns each.
+    pub steps: usize,
+}
+
+impl Default for Caps {
+    /// 2^21 pieces, 2^20 channels, 2^30 steps (some seconds).
+    fn default() -> Self {
+        Self { pieces: 1 << 21, channels: 1 << 20, steps: 1 << 30 }
+    }
+}
+
+/// Why solids do not make channels.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum SolidsError {
+    /// More boxes than [`Caps::pieces`], slanted edges counted by their steps.
+    #[error("the solids make {has} boxes, at most {most} are allowed")]
+    TooManyPieces {
+        /// How many there are, or at least how many.
+        has: usize,
+        /// [`Caps::pieces`].
+        most: usize,
+    },
+    /// More channels than [`Caps::channels`].
+    #[error("the free space has at least {has} channels, at most {most} are allowed")]
+    TooManyChannels {
+        /// How many there are at least (found, or considered at one time).
+        has: usize,
+        /// [`Caps::channels`].
+        most: usize,
+    },
+    /// More work than [`Caps::steps`].
+    #[error("the free space is too intricate: {has} boxes looked at, at most {most} are allowed")]
+    TooIntricate {
+        /// How many were looked at.
+        has: usize,
+        /// [`Caps::steps`].
+        most: usize,
+    },
+    /// A polygon has slanted edges, and the tolerance is not a positive number.
+    #[error("the tolerance {tolerance} m for slanted edges is not greater than {least} m")]
+    ToleranceNotPositive {
+        /// The tolerance given, metres.
+        tolerance: f64,
+        /// It must be greater than this, metres.
+        least: f64,
+    },
+}
+
+/// Solids, cut into boxes. Reusable memory.
+///
+/// They may touch, overlap, and be given twice. It holds `16 D` bytes per box, and
+/// while looking for channels about `50 D` more.
+#[derive(Debug, Clone, Default)]
+pub struct Solids<const D: usize> {
+    boxes: Vec<AxisBox<D>>,
+    sweep: Sweep<D>,
+}
+
+impl<const D: usize> Solids<D> {
+    /// Forgets all solids, keeping the memory.
+    pub fn clear(&mut self) {
+        self.boxes.clear();
+    }
+
+    /// The boxes that the solids were cut into.
+    pub fn boxes(&self) -> &[AxisBox<D>] {
+        &self.boxes
+    }
+
+    /// Adds a solid box.
+    pub fn push_box(&mut self, solid: AxisBox<D>) {
+        self.boxes.push(solid);
+    }
+
+    /// The smallest box around all solids; `None` without any.
+    pub fn bounds(&self) -> Option<AxisBox<D>> {
+        let corners = self.boxes.iter().map(|solid| (solid.min(), solid.max()));
+        let (min, max) = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))?;
+        AxisBox::new(min, max).ok()
+    }
+
+    /// Where to look for the channels of a cavity from which `body` is to be taken
+    /// along `exit`: [`Solids::bounds`], whose side towards the exit is the mouth.
+    ///
+    /// A body that reaches the mouth or sticks out of it moves the mouth out, to
+    /// one length of the body beyond it: a channel must be larger than the body.
+    pub fn cavity(&self, body: &AxisBox<D>, exit: Direction) -> Option<AxisBox<D>> {
+        let bounds = self.bounds()?;
+        let (mut min, mut max) = (bounds.min(), bounds.max());
+        let axis = exit.axis;
+        let length = body.size()[axis];
+        match exit.sign {
+            Sign::Positive if body.max()[axis] >= max[axis] => {
+                max[axis] = body.max()[axis] + length
+            }
+            Sign::Negative if body.min()[axis] <= min[axis] => {
+                min[axis] = body.min()[axis] - length
+            }
+            _ => {}
+        }
+        AxisBox::new(min, max).ok()
+    }
+
+    /// Refills `channels` with all maximal boxes of the part of `bounds` that the
+    /// solids leave free, as far as they are larger than `body` (metres) on every
+    /// axis; sorted by their least, then their greatest corner, the first axis
+    /// first.
+    ///
+    /// Exact: only coordinates of the solids and of `bounds` are used, and they are
+    /// only compared. The time grows as n log n with the number n of boxes found
+    /// or cut short on the way, which is not more than quadratic in two dimensions
+    /// and stays near the number of solids where these stand apart.
+    pub fn channels(
+        &mut self,
+        bounds: &AxisBox<D>,
+        body: &Vector<D>,
+        caps: &Caps,
+        channels: &mut Vec<AxisBox<D>>,
+    ) -> Result<(), SolidsError> {
+        channels.clear();
+        if self.boxes.len() > caps.pieces {
+            let (has, most) = (self.boxes.len(), caps.pieces);
+            return Err(SolidsError::TooManyPieces { has, most });
+        }
+        let result = self.sweep.run(&self.boxes, bounds, body, caps, channels);
+        if result.is_err() {
+            channels.clear();
+        }
+        channels.sort_unstable_by(|a, b| {
+            let corners = |channel: &AxisBox<D>| [channel.min(), channel.max()];
+            let (a, b) = (corners(a), corners(b));
+            let pairs = a.iter().zip(&b).flat_map(|(a, b)| a.iter().zip(b.iter()));
+            pairs
+                .map(|(a, b)| a.total_cmp(b))
+                .find(|order| order.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
+        result
+    }
+}
+
+impl Solids<2> {
+    /// Adds a solid polygon, exactly where its edges are parallel to the axes.
+    ///
+    /// A slanted edge is replaced by steps outside of it, so that what is left
+    /// free is free indeed. What they take lies within `tolerance` (metres) of the
+    /// edge, measured along the axis to which the edge is closer to being across.
+    pub fn push_polygon(
+        &mut self,
+        polygon: &Polygon,
+        tolerance: f64,
+        caps: &Caps,
+    ) -> Result<(), SolidsError> {
+        outline::cut(polygon.vertices(), tolerance, caps.pieces, &mut self.boxes)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,357 @@
+//! All maximal free boxes, found by taking the solids one by one.
+//!
+//! The solids come in the order of where they begin along the last axis, the
+//! sweep's. At every moment the *candidates* are the maximal boxes that are free
+//! of the solids taken so far and reach to the far end of the bounds. A solid
+//! that reaches into a candidate leaves of it: the part before the solid, which
+//! no later solid can reach into and which is therefore a channel; the parts to
+//! its sides; and the part behind it. A part counts only if it is still maximal,
+//! that is, if a solid (or the bounds) touches each of its sides; otherwise the
+//! box that it can be extended to is found from another candidate. No box is
+//! found twice: of two candidates that leave the same part, one would contain the
+//! other.
+
+use super::{Caps, SolidsError};
+use crate::geometry::box_tree::BoxTree;
+use crate::geometry::{AxisBox, Sign, Vector};
+
+const NONE: u32 = u32::MAX;
+
+/// How often the extent along an axis is halved.
+const DEPTH: u32 = 24;
+
+const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
+
+#[derive(Debug, Clone, Copy)]
+struct Part<const D: usize> {
+    min: Vector<D>,
+    max: Vector<D>,
+}
+
+impl<const D: usize> Part<D> {
+    fn side(&self, axis: usize, sign: Sign) -> f64 {
+        match sign {
+            Sign::Negative => self.min[axis],
+            Sign::Positive => self.max[axis],
+        }
+    }
+
+    fn overlaps(&self, other: &Self, axis: usize) -> bool {
+        self.min[axis] < other.max[axis] && other.min[axis] < self.max[axis]
+    }
+}
+
+/// A node of the index of candidates: a tree of halved extents along the first
+/// axis, where what lies across the middle is kept in a tree along the next.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    less: u32,
+    more: u32,
+    /// The tree along the next axis; behind the last, the first candidate.
+    across: u32,
+    /// Candidates in this tree.
+    count: u32,
+}
+
+const LEAF: Node = Node { less: NONE, more: NONE, across: NONE, count: 0 };
+
+#[derive(Debug, Clone, Copy)]
+struct Candidate<const D: usize> {
+    part: Part<D>,
+    /// The next one in the same node, or the next unused one.
+    next: u32,
+}
+
+/// Reusable memory.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sweep<const D: usize> {
+    solids: Vec<Part<D>>,
+    tree: BoxTree<D>,
+    nodes: Vec<Node>,
+    candidates: Vec<Candidate<D>>,
+    /// The first unused candidate.
+    unused: u32,
+    hit: Vec<u32>,
+    steps: usize,
+}
+
+/// What stays the same during a sweep.
+struct Scene<'a, const D: usize> {
+    bounds: Part<D>,
+    caps: &'a Caps,
+}
+
+impl<const D: usize> Sweep<D> {
+    pub(super) fn run(
+        &mut self,
+        solids: &[AxisBox<D>],
+        bounds: &AxisBox<D>,
+        body: &Vector<D>,
+        caps: &Caps,
+        channels: &mut Vec<AxisBox<D>>,
+    ) -> Result<(), SolidsError> {
+        self.take_in(solids, bounds);
+        self.nodes.clear();
+        self.nodes.push(LEAF);
+        self.candidates.clear();
+        self.unused = NONE;
+        self.steps = 0;
+
+        let bounds = Part { min: bounds.min(), max: bounds.max() };
+        let scene = Scene { bounds, caps };
+        if (0..D).all(|axis| is_larger(&bounds, axis, body)) {
+            self.insert(bounds, &scene)?;
+        }
+        let last = D - 1;
+        for index in 0..self.solids.len() {
+            let solid = self.solids[index];
+            self.hit.clear();
+            self.take(0, 0, (bounds.min[0], bounds.max[0]), &solid, &bounds);
+            for position in 0..self.hit.len() {
+                let hit = self.hit[position] as usize;
+                let part = self.candidates[hit].part;
+                self.candidates[hit].next = self.unused;
+                self.unused = self.hit[position];
+
+                let mut before = part;
+                before.max[last] = solid.min[last];
+                if is_larger(&before, last, body) && self.is_held(&before, index, &scene, last) {
+                    push(&before, caps, channels)?;
+                }
+                for axis in 0..last {
+                    for sign in SIGNS {
+                        let mut beside = part;
+                        match sign {
+                            Sign::Negative => beside.max[axis] = solid.min[axis],
+                            Sign::Positive => beside.min[axis] = solid.max[axis],
+                        }
+                        if is_larger(&beside, axis, body)
+                            && self.is_held(&beside, index, &scene, axis)
+                        {
+                            self.insert(beside, &scene)?;
+                        }
+                    }
+                }
+                let mut behind = part;
+                behind.min[last] = solid.max[last];
+                if is_larger(&behind, last, body) && self.is_held(&behind, index, &scene, last) {
+                    self.insert(behind, &scene)?;
+                }
+            }
+            if self.steps > caps.steps {
+                return Err(SolidsError::TooIntricate { has: self.steps, most: caps.steps });
+            }
+        }
+        // What is left is a channel up to the far end of the bounds.
+        self.hit.clear();
+        self.take(0, 0, (bounds.min[0], bounds.max[0]), &bounds, &bounds);
+        for hit in &self.hit {
+            push(&self.candidates[*hit as usize].part, caps, channels)?;
+        }
+        Ok(())
+    }
+
+    /// The solids in the order of the sweep, cut off at the bounds, each once.
+    fn take_in(&mut self, solids: &[AxisBox<D>], bounds: &AxisBox<D>) {
+        let inside = solids.iter().filter_map(|solid| solid.intersection(bounds));
+        self.solids.clear();
+        self.solids.extend(inside.map(|solid| Part { min: solid.min(), max: solid.max() }));
+        self.solids.sort_unstable_by(|a, b| {
+            let keys = |part: &Part<D>| (part.min, part.max);
+            let ((a_min, a_max), (b_min, b_max)) = (keys(a), keys(b));
+            let from_last = (0..D).rev().map(|axis| a_min[axis].total_cmp(&b_min[axis]));
+            let ends = (0..D).map(|axis| a_max[axis].total_cmp(&b_max[axis]));
+            from_last.chain(ends).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        self.solids.dedup_by(|a, b| a.min == b.min && a.max == b.max);
+        let solids = &self.solids;
+        self.tree.build(solids.len(), |index| (solids[index].min, solids[index].max));
+    }
+
+    /// Whether a part left by the solid `newest` is held on every side by a solid
+    /// taken so far or by the bounds.
+    ///
+    /// Known without looking are the sides across `cut`, where it was cut, and,
+    /// if that is not the sweep's axis, the far one.
+    fn is_held(&mut self, part: &Part<D>, newest: usize, scene: &Scene<'_, D>, cut: usize) -> bool {
+        (0..D).filter(|axis| *axis != cut).all(|axis| {
+            let signs = if axis == D - 1 { &SIGNS[..1] } else { &SIGNS };
+            signs.iter().all(|sign| self.is_touched(part, newest, scene, axis, *sign))
+        })
+    }
+
+    /// Whether a solid up to `newest`, or the bounds, touches this side of a part.
+    fn is_touched(
+        &mut self,
+        part: &Part<D>,
+        newest: usize,
+        scene: &Scene<'_, D>,
+        axis: usize,
+        sign: Sign,
+    ) -> bool {
+        let at = part.side(axis, sign);
+        if at == scene.bounds.side(axis, sign) {
+            return true;
+        }
+        let (mut min, mut max) = (part.min, part.max);
+        // No solid taken so far begins later.
+        let last = D - 1;
+        max[last] = max[last].min(min[last].max(self.solids[newest].min[last]));
+        (min[axis], max[axis]) = (at, at);
+        let (solids, steps) = (&self.solids, &mut self.steps);
+        let mut found = false;
+        self.tree.visit(&min, &max, 0.0, |index| {
+            *steps += 1;
+            let solid = &solids[index];
+            let goes_on = match sign {
+                Sign::Negative => solid.min[axis] < at && at <= solid.max[axis],
+                Sign::Positive => solid.min[axis] <= at && at < solid.max[axis],
+            };
+            found = index <= newest
+                && goes_on
+                && (0..D).all(|other| other == axis || solid.overlaps(part, other));
+            if found { -1.0 } else { 0.0 }
+        });
+        found
+    }
+
+    fn insert(&mut self, part: Part<D>, scene: &Scene<'_, D>) -> Result<(), SolidsError> {
+        let candidate = match self.candidates.get(self.unused as usize) {
+            Some(candidate) => {
+                let index = self.unused;
+                self.unused = candidate.next;
+                index
+            }
+            None => {
+                let (has, most) = (self.candidates.len() + 1, scene.caps.channels);
+                if has > most {
+                    return Err(SolidsError::TooManyChannels { has, most });
+                }
+                self.candidates.push(Candidate { part, next: NONE });
+                // Caps::channels may be more than can be counted here.
+                u32::try_from(has - 1)
+                    .ok()
+                    .filter(|index| *index != NONE)
+                    .ok_or(SolidsError::TooManyChannels { has, most: NONE as usize - 1 })?
+            }
+        };
+        let mut node = 0;
+        for axis in 0..D - 1 {
+            let (mut low, mut high) = (scene.bounds.min[axis], scene.bounds.max[axis]);
+            for depth in 0.. {
+                self.nodes[node].count += 1;
+                if depth == DEPTH {
+                    break;
+                }
+                let middle = (low + high) / 2.0;
+                let less = if part.max[axis] <= middle {
+                    high = middle;
+                    true
+                } else if part.min[axis] >= middle {
+                    low = middle;
+                    false
+                } else {
+                    break;
+                };
+                let child = if less { self.nodes[node].less } else { self.nodes[node].more };
+                let child = self.existing(child);
+                if less {
+                    self.nodes[node].less = child;
+                } else {
+                    self.nodes[node].more = child;
+                }
+                node = child as usize;
+            }
+            if axis + 1 < D - 1 {
+                let child = self.existing(self.nodes[node].across);
+                self.nodes[node].across = child;
+                node = child as usize;
+            }
+        }
+        let next = self.nodes[node].across;
+        self.candidates[candidate as usize] = Candidate { part, next };
+        self.nodes[node].across = candidate;
+        Ok(())
+    }
+
+    fn existing(&mut self, node: u32) -> u32 {
+        if node != NONE {
+            return node;
+        }
+        self.nodes.push(LEAF);
+        // Fewer than 2^32: each insertion adds at most DEPTH per axis, and steps are capped.
+        u32::try_from(self.nodes.len() - 1).unwrap_or(NONE - 1)
+    }
+
+    /// Moves all candidates that the solid reaches into from a tree to `hit`;
+    /// how many these were.
+    fn take(
+        &mut self,
+        node: u32,
+        axis: usize,
+        (low, high): (f64, f64),
+        solid: &Part<D>,
+        bounds: &Part<D>,
+    ) -> u32 {
+        if node == NONE || self.nodes[node as usize].count == 0 {
+            return 0;
+        }
+        self.steps += 1;
+        let Node { less, more, across, .. } = self.nodes[node as usize];
+        let middle = (low + high) / 2.0;
+        let mut taken = 0;
+        if solid.min[axis] < middle {
+            taken += self.take(less, axis, (low, middle), solid, bounds);
+        }
+        if solid.max[axis] > middle {
+            taken += self.take(more, axis, (middle, high), solid, bounds);
+        }
+        let next = axis + 1;
+        if next < D - 1 {
+            taken += self.take(across, next, (bounds.min[next], bounds.max[next]), solid, bounds);
+        } else {
+            taken += self.take_from_list(node, solid);
+        }
+        self.nodes[node as usize].count -= taken;
+        taken
+    }
+
+    fn take_from_list(&mut self, node: u32, solid: &Part<D>) -> u32 {
+        let begin = self.hit.len();
+        let mut kept = NONE;
+        let mut at = self.nodes[node as usize].across;
+        while at != NONE {
+            self.steps += 1;
+            let candidate = &mut self.candidates[at as usize];
+            let next = candidate.next;
+            if (0..D).all(|axis| solid.overlaps(&candidate.part, axis)) {
+                self.hit.push(at);
+            } else {
+                candidate.next = kept;
+                kept = at;
+            }
+            at = next;
+        }
+        self.nodes[node as usize].across = kept;
+        (self.hit.len() - begin) as u32
+    }
+}
+
+/// Whether a part is larger than the body along an axis.
+fn is_larger<const D: usize>(part: &Part<D>, axis: usize, body: &Vector<D>) -> bool {
+    part.max[axis] - part.min[axis] > body[axis].max(0.0)
+}
+
+fn push<const D: usize>(
+    part: &Part<D>,
+    caps: &Caps,
+    channels: &mut Vec<AxisBox<D>>,
+) -> Result<(), SolidsError> {
+    let (has, most) = (channels.len() + 1, caps.channels);
+    if has > most {
+        return Err(SolidsError::TooManyChannels { has, most });
+    }
+    // Its extents are positive, so this does not fail.
+    channels.extend(AxisBox::new(part.min, part.max));
+    Ok(())
+}

@@ -1,0 +1,380 @@
+use super::*;
+use crate::clearance::distance::segments_meet;
+use crate::geometry::polygon::edges;
+use proptest::prelude::*;
+
+const UP: Direction = Direction { axis: 1, sign: Sign::Positive };
+
+fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
+    AxisBox::new(min.into(), max.into()).expect("a box")
+}
+
+fn polygon(vertices: &[[f64; 2]]) -> Polygon {
+    Polygon::new(vertices.iter().map(|vertex| Vector::from(*vertex)).collect()).expect("a polygon")
+}
+
+fn find<const D: usize>(
+    solids: &mut Solids<D>,
+    bounds: &AxisBox<D>,
+    body: [f64; D],
+) -> Vec<AxisBox<D>> {
+    let mut channels = Vec::new();
+    solids.channels(bounds, &body.into(), &Caps::default(), &mut channels).expect("within caps");
+    channels
+}
+
+fn with_boxes<const D: usize>(boxes: &[AxisBox<D>]) -> Solids<D> {
+    let mut solids = Solids::default();
+    boxes.iter().for_each(|solid| solids.push_box(*solid));
+    solids
+}
+
+#[track_caller]
+fn check<const D: usize>(
+    boxes: &[AxisBox<D>],
+    bounds: AxisBox<D>,
+    body: [f64; D],
+    expected: &[AxisBox<D>],
+) {
+    assert_eq!(find(&mut with_boxes(boxes), &bounds, body), expected);
+}
+
+/// The female part of section 4.
+const FEMALE: [[f64; 2]; 12] = [
+    [0., 0.],
+    [0., 7.],
+    [1., 7.],
+    [1., 2.],
+    [4., 2.],
+    [4., 1.],
+    [7., 1.],
+    [7., 6.],
+    [5., 6.],
+    [5., 7.],
+    [8., 7.],
+    [8., 0.],
+];
+
+#[test]
+fn section_4_has_the_channels_of_the_paper() {
+    let mut solids = Solids::default();
+    // Nothing is slanted, so the tolerance is not looked at.
+    solids.push_polygon(&polygon(&FEMALE), f64::NAN, &Caps::default()).expect("a solid");
+    let male = space([4.5, 1.01], [6.99, 4.0]);
+    let bounds = solids.cavity(&male, UP).expect("there is a solid");
+    assert_eq!(bounds, space([0., 0.], [8., 7.]));
+    let (c_1, c_2, c_3) =
+        (space([1., 2.], [5., 7.]), space([1., 2.], [7., 6.]), space([4., 1.], [7., 6.]));
+    assert_eq!(find(&mut solids, &bounds, [2.49, 2.99]), [c_1, c_2, c_3]);
+    // The fourth is too narrow for the male part.
+    let fourth = space([4., 1.], [5., 7.]);
+    assert_eq!(find(&mut solids, &bounds, [0.99, 2.99]), [c_1, c_2, fourth, c_3]);
+}
+
+#[test]
+fn cavity_has_room_for_a_body_that_sticks_out() {
+    let solids = with_boxes(&[space([0., 0.], [9., 5.])]);
+    let check = |body, exit, cavity| assert_eq!(solids.cavity(&body, exit), Some(cavity));
+    check(space([1., 1.], [2., 4.]), UP, space([0., 0.], [9., 5.]));
+    check(space([1., 1.], [2., 6.]), UP, space([0., 0.], [9., 11.]));
+    check(space([1., 1.], [2., 5.]), UP, space([0., 0.], [9., 9.]));
+    let down = Direction { axis: 1, sign: Sign::Negative };
+    check(space([1., -1.], [2., 5.]), down, space([0., -7.], [9., 5.]));
+    assert_eq!(Solids::<2>::default().cavity(&space([1., 1.], [2., 4.]), UP), None);
+}
+
+#[test]
+fn without_solids_all_is_one_channel() {
+    check(&[], space([0., 0.], [9., 5.]), [1., 1.], &[space([0., 0.], [9., 5.])]);
+    check(&[], space([0., 0.], [9., 5.]), [9., 1.], &[]);
+}
+
+#[test]
+fn solid_outside_the_bounds_does_not_count() {
+    let bounds = space([0., 0.], [9., 5.]);
+    check(&[space([9., 0.], [12., 5.]), space([-3., -3.], [0., 9.])], bounds, [1., 1.], &[bounds]);
+}
+
+#[test]
+fn solids_that_fill_everything_leave_no_channel() {
+    let bounds = space([0., 0., 0.], [2., 2., 2.]);
+    check(&[space([-1., -1., -1.], [3., 3., 1.]), bounds], bounds, [0.1; 3], &[]);
+}
+
+#[test]
+fn island_has_a_channel_on_each_side() {
+    let solid = space([3., 2.], [5., 4.]);
+    let channels = [
+        space([0., 0.], [3., 6.]),
+        space([0., 0.], [8., 2.]),
+        space([0., 4.], [8., 6.]),
+        space([5., 0.], [8., 6.]),
+    ];
+    check(&[solid], space([0., 0.], [8., 6.]), [1., 1.], &channels);
+    // Twice the same, and once more in parts that touch and overlap.
+    let parts = [space([3., 2.], [4., 4.]), space([4., 2.], [5., 4.]), space([3.5, 2.], [5., 3.])];
+    check(&[solid, solid], space([0., 0.], [8., 6.]), [1., 1.], &channels);
+    check(&parts, space([0., 0.], [8., 6.]), [1., 1.], &channels);
+    // Equality is not enough: the side ways are 2 m wide.
+    check(&[solid], space([0., 0.], [8., 6.]), [2., 2.], &[channels[0], channels[3]]);
+}
+
+#[test]
+fn hole_between_solids_is_a_channel() {
+    let ring = [
+        space([0., 0.], [9., 1.]),
+        space([0., 8.], [9., 9.]),
+        space([0., 0.], [1., 9.]),
+        space([8., 0.], [9., 9.]),
+    ];
+    check(&ring, space([-1., -1.], [10., 10.]), [3., 3.], &[space([1., 1.], [8., 8.])]);
+}
+
+#[test]
+fn slope_is_stepped_outside() {
+    let mut solids = Solids::default();
+    let roof = polygon(&[[0., 0.], [8., 0.], [4., 2.]]);
+    solids.push_polygon(&roof, 0.5, &Caps::default()).expect("a solid");
+    assert_eq!(solids.bounds(), Some(space([0., 0.], [8., 2.])));
+    let expected = [
+        space([0., 0.5], [1., 3.]),
+        space([0., 1.0], [2., 3.]),
+        space([0., 1.5], [3., 3.]),
+        space([0., 2.0], [8., 3.]),
+        space([5., 1.5], [8., 3.]),
+        space([6., 1.0], [8., 3.]),
+        space([7., 0.5], [8., 3.]),
+    ];
+    let channels = find(&mut solids, &space([0., 0.], [8., 3.]), [0.9, 0.9]);
+    assert_eq!(channels.len(), expected.len());
+    // Exact but for what keeps the steps outside when they are rounded.
+    for (channel, expected) in channels.iter().zip(expected) {
+        assert!((channel.min() - expected.min()).amax() < 1e-14, "{channel:?}");
+        assert!((channel.max() - expected.max()).amax() < 1e-14, "{channel:?}");
+    }
+}
+
+#[track_caller]
+fn check_error(result: Result<(), SolidsError>, error: SolidsError) {
+    assert_eq!(result, Err(error));
+}
+
+#[test]
+fn tolerance_must_be_positive() {
+    let roof = polygon(&[[0., 0.], [8., 0.], [4., 2.]]);
+    let push = |tolerance| Solids::default().push_polygon(&roof, tolerance, &Caps::default());
+    check_error(push(0.0), SolidsError::ToleranceNotPositive { tolerance: 0.0, least: 0.0 });
+    check_error(push(-1.0), SolidsError::ToleranceNotPositive { tolerance: -1.0, least: 0.0 });
+    assert!(push(f64::NAN).is_err());
+    let most = Caps::default().pieces;
+    let result = push(1e-300);
+    assert!(matches!(result, Err(SolidsError::TooManyPieces { most: m, .. }) if m == most));
+}
+
+#[test]
+fn caps_are_kept() {
+    let boxes: Vec<_> =
+        (0..20).map(|i| space([2.0 * f64::from(i), 0.], [2.0 * f64::from(i) + 1.0, 1.])).collect();
+    let bounds = space([-1., -1.], [40., 3.]);
+    let run = |caps| {
+        let mut channels = vec![bounds];
+        let result = with_boxes(&boxes).channels(&bounds, &[0.5; 2].into(), &caps, &mut channels);
+        assert_eq!(channels, []);
+        result
+    };
+    let default = Caps::default();
+    let error = SolidsError::TooManyPieces { has: 20, most: 19 };
+    check_error(run(Caps { pieces: 19, ..default }), error);
+    let error = SolidsError::TooManyChannels { has: 6, most: 5 };
+    check_error(run(Caps { channels: 5, ..default }), error);
+    let result = run(Caps { steps: 9, ..default });
+    assert!(matches!(result, Err(SolidsError::TooIntricate { most: 9, .. })), "{result:?}");
+}
+
+/// Every box between grid lines, looked at one by one.
+fn brute_force<const D: usize>(
+    boxes: &[AxisBox<D>],
+    bounds: &AxisBox<D>,
+    body: &Vector<D>,
+) -> Vec<AxisBox<D>> {
+    let lines: [Vec<f64>; D] = std::array::from_fn(|axis| {
+        let all = boxes.iter().chain([bounds]).flat_map(|b| [b.min()[axis], b.max()[axis]]);
+        let (least, greatest) = (bounds.min()[axis], bounds.max()[axis]);
+        let mut lines: Vec<f64> = all.filter(|at| (least..=greatest).contains(at)).collect();
+        lines.sort_unstable_by(f64::total_cmp);
+        lines.dedup();
+        lines
+    });
+    let free = |part: &AxisBox<D>| boxes.iter().all(|solid| solid.intersection(part).is_none());
+    let counts: [usize; D] = std::array::from_fn(|axis| lines[axis].len());
+    let mut found = Vec::new();
+    let total: usize = counts.iter().map(|count| count * count).product();
+    for code in 0..total {
+        let mut rest = code;
+        let ends: [(usize, usize); D] = std::array::from_fn(|axis| {
+            let low = rest % counts[axis];
+            rest /= counts[axis];
+            let high = rest % counts[axis];
+            rest /= counts[axis];
+            (low, high)
+        });
+        let part = |ends: &[(usize, usize); D]| {
+            let min = Vector::from(std::array::from_fn(|axis| lines[axis][ends[axis].0]));
+            let max = Vector::from(std::array::from_fn(|axis| lines[axis][ends[axis].1]));
+            AxisBox::new(min, max).ok()
+        };
+        let Some(this) = part(&ends)
+            .filter(|part| (0..D).all(|axis| part.size()[axis] > body[axis]) && free(part))
+        else {
+            continue;
+        };
+        let extends = (0..D).any(|axis| {
+            let (mut less, mut more) = (ends, ends);
+            less[axis].0 = less[axis].0.wrapping_sub(1);
+            more[axis].1 += 1;
+            (ends[axis].0 > 0 && part(&less).is_some_and(|part| free(&part)))
+                || (more[axis].1 < counts[axis] && part(&more).is_some_and(|part| free(&part)))
+        });
+        if !extends {
+            found.push(this);
+        }
+    }
+    found
+}
+
+fn sorted<const D: usize>(mut boxes: Vec<AxisBox<D>>) -> Vec<AxisBox<D>> {
+    let key =
+        |b: &AxisBox<D>| -> Vec<f64> { b.min().iter().chain(b.max().iter()).copied().collect() };
+    boxes.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("finite numbers"));
+    boxes
+}
+
+/// Boxes on a coarse grid, so that they touch, overlap and repeat, partly out of bounds.
+fn boxes<const D: usize>(most: usize, extent: i8) -> impl Strategy<Value = Vec<AxisBox<D>>> {
+    let corner = proptest::array::uniform::<_, D>(-1..extent);
+    let size = proptest::array::uniform::<_, D>(1..4i8);
+    proptest::collection::vec((corner, size), 0..=most).prop_map(|boxes| {
+        let make = |(corner, size): &([i8; D], [i8; D])| {
+            let corner = Vector::from(corner.map(f64::from));
+            AxisBox::new(corner, corner + Vector::from(size.map(f64::from))).expect("a box")
+        };
+        boxes.iter().map(make).collect()
+    })
+}
+
+fn body<const D: usize>() -> impl Strategy<Value = [f64; D]> {
+    proptest::array::uniform::<_, D>(prop_oneof![Just(0.5), Just(1.0), Just(1.5)])
+}
+
+/// A polygon in the union of `boxes`: the outline of what one row of heights covers.
+fn skyline() -> impl Strategy<Value = Vec<[f64; 2]>> {
+    proptest::collection::vec((1..4i8, 1..9i8, any::<bool>()), 1..9).prop_map(|steps| {
+        let mut vertices = vec![[0.0, 0.0]];
+        let mut x = 0.0;
+        let mut last = 0.0;
+        for (width, height, slanted) in &steps {
+            let (width, height) = (f64::from(*width), f64::from(*height));
+            if *slanted {
+                vertices.push([x, last]);
+                vertices.push([x + width, height]);
+            } else {
+                vertices.push([x, height]);
+                vertices.push([x + width, height]);
+            }
+            (x, last) = (x + width, height);
+        }
+        vertices.push([x, 0.0]);
+        vertices.dedup();
+        vertices
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn channels_are_those_of_brute_force_in_two_dimensions(boxes in boxes::<2>(14, 9), body in body()) {
+        let bounds = space([0., 0.], [9., 9.]);
+        let expected = sorted(brute_force(&boxes, &bounds, &body.into()));
+        prop_assert_eq!(find(&mut with_boxes(&boxes), &bounds, body), expected);
+    }
+
+    #[test]
+    fn order_of_solids_does_not_matter(boxes in boxes::<3>(20, 9), body in body()) {
+        let bounds = space([0.; 3], [9.; 3]);
+        let forwards = find(&mut with_boxes(&boxes), &bounds, body);
+        let reversed: Vec<_> = boxes.iter().rev().copied().collect();
+        prop_assert_eq!(find(&mut with_boxes(&reversed), &bounds, body), forwards);
+    }
+
+    #[test]
+    fn polygon_is_covered_within_the_tolerance(
+        vertices in skyline(),
+        tolerance in 0.05..2.0f64,
+        points in proptest::collection::vec((0.0..30.0f64, 0.0..9.0f64), 40),
+        mirrored in any::<bool>(),
+    ) {
+        let mut vertices = vertices;
+        if mirrored {
+            vertices.iter_mut().for_each(|vertex| vertex[1] = -vertex[1]);
+        }
+        let Ok(polygon) = Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect()) else {
+            return Ok(()); // Flat.
+        };
+        let mut solids = Solids::default();
+        solids.push_polygon(&polygon, tolerance, &Caps::default()).expect("a solid");
+        for (x, z) in points {
+            let point = Vector::from([x, if mirrored { -z } else { z }]);
+            let covered = solids.boxes().iter().any(|solid| {
+                (0..2).all(|i| solid.min()[i] <= point[i] && point[i] <= solid.max()[i])
+            });
+            prop_assert!(covered || !polygon.contains(&point), "{:?} is not covered", point);
+            // What is covered without need is near the polygon, along an axis.
+            let reach = tolerance + 1e-9;
+            let near = |by: [f64; 2]| {
+                let to = point + Vector::from(by);
+                edges(polygon.vertices()).any(|(a, b)| segments_meet((&point, &to), (&a, &b)))
+            };
+            let near = [[reach, 0.], [-reach, 0.], [0., reach], [0., -reach]].into_iter().any(near);
+            prop_assert!(!covered || polygon.contains(&point) || near, "{:?} is too far", point);
+        }
+    }
+
+    #[test]
+    fn rectilinear_polygon_is_cut_without_overlap(vertices in skyline()) {
+        let straight = |(a, b): (&[f64; 2], &[f64; 2])| a[0] == b[0] || a[1] == b[1];
+        let rectilinear = vertices.iter().zip(vertices.iter().skip(1)).all(straight);
+        let Ok(polygon) = Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect()) else {
+            return Ok(()); // Flat.
+        };
+        let mut solids = Solids::default();
+        solids.push_polygon(&polygon, 0.25, &Caps::default()).expect("a solid");
+        let shoelace: f64 = vertices
+            .iter()
+            .zip(vertices.iter().cycle().skip(1))
+            .map(|(a, b)| (b[0] - a[0]) * (a[1] + b[1]) / 2.0)
+            .sum();
+        let area: f64 = solids.boxes().iter().map(|solid| solid.size().product()).sum();
+        if rectilinear {
+            prop_assert_eq!(area, shoelace);
+        } else {
+            prop_assert!(area > shoelace);
+        }
+        for (index, one) in solids.boxes().iter().enumerate() {
+            for other in &solids.boxes()[..index] {
+                prop_assert_eq!(one.intersection(other), None);
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn channels_are_those_of_brute_force_in_three_dimensions(boxes in boxes::<3>(8, 5), body in body()) {
+        let bounds = space([0.; 3], [5.; 3]);
+        let expected = sorted(brute_force(&boxes, &bounds, &body.into()));
+        prop_assert_eq!(find(&mut with_boxes(&boxes), &bounds, body), expected);
+    }
+}
