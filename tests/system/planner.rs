@@ -46,8 +46,10 @@ fn a_signal_ends_a_planner_under_load() {
         let test = TestDomain::new();
         let planner = test.planner(&[]);
         let answered = AtomicU64::new(0);
+        let connected = AtomicU64::new(0);
         let load = |id: u64| {
             let client = test.connect();
+            connected.fetch_add(1, Ordering::Relaxed);
             loop {
                 // A call would wait for the next planner.
                 let scene = numbered(id);
@@ -66,6 +68,7 @@ fn a_signal_ends_a_planner_under_load() {
             for id in 0..3 {
                 scope.spawn(move || load(id));
             }
+            wait_for("clients", || (connected.load(Ordering::Relaxed) == 3).then_some(()));
             wait_for("load", || (answered.load(Ordering::Relaxed) > 100).then_some(()));
             planner.signal(signal);
             let ended = planner.wait();
