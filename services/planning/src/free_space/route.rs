@@ -22,7 +22,7 @@ const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 ///
 /// # What is shortest
 ///
-/// The route is the one whose [`super::Chain`] has the shortest path by the
+/// The route is the one whose [`Chain`](super::Chain) has the shortest path by the
 /// rules, of all sequences of channels that do not go straight back through the
 /// junction they came by. For a body that is the length that
 /// [`crate::disassembly::disassemble`] gives, the way out included; for a robot see
@@ -43,9 +43,10 @@ const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 /// beaten by another for all that may follow, which is by more than the difference
 /// of the two coordinates.
 ///
-/// Time and memory (at most `16 D + 64` bytes) go with the pairs of junctions
-/// passed one after the other: n log n for n channels that meet a few others
-/// each; a channel with k junctions may cost k^2.
+/// Time goes with the pairs of junctions passed one after the other: n log n for n
+/// channels that meet a few others each; a channel with k junctions may cost k^2.
+/// Memory is `8 D + 104` bytes for every way found to a state (some ten per
+/// junction), and never for more of them than 12 per pair.
 #[derive(Debug, Clone, Default)]
 pub struct Router<const D: usize> {
     labels: Vec<Label<D>>,

@@ -13,15 +13,14 @@ mod sweep;
 pub struct Caps {
     /// Boxes that the solids may be cut into.
     pub pieces: usize,
-    /// Channels found, and boxes considered at one time (each at most
-    /// `24 D + 48` bytes).
+    /// Channels found, and boxes considered at one time.
     pub channels: usize,
     /// Boxes looked at, in all: bounds the time, about 10 ns each.
     pub steps: usize,
 }
 
 impl Default for Caps {
-    /// 2^21 pieces, 2^20 channels, 2^30 steps (some seconds).
+    /// 2^21 pieces, 2^20 channels, 2^30 steps (some ten seconds).
     fn default() -> Self {
         Self { pieces: 1 << 21, channels: 1 << 20, steps: 1 << 30 }
     }
@@ -67,7 +66,8 @@ pub enum SolidsError {
 /// Solids, cut into boxes. Reusable memory.
 ///
 /// They may touch, overlap, and be given twice. It holds `16 D` bytes per box, and
-/// while looking for channels about `50 D` more.
+/// from looking for channels `66 D + 16` more, and `16 D + 8` per box considered at
+/// one time besides the nodes of an index (16 bytes, at most 48 per such box).
 #[derive(Debug, Clone, Default)]
 pub struct Solids<const D: usize> {
     boxes: Vec<AxisBox<D>>,
@@ -125,9 +125,10 @@ impl<const D: usize> Solids<D> {
     /// first.
     ///
     /// Exact: only coordinates of the solids and of `bounds` are used, and they are
-    /// only compared. The time grows as n log n with the number n of boxes found
-    /// or cut short on the way, which is not more than quadratic in two dimensions
-    /// and stays near the number of solids where these stand apart.
+    /// only compared. The time grows about as n log n with the number n of solids
+    /// and of boxes found or cut short on the way. These can be as many as the
+    /// square of the solids in two dimensions and are near as many as the solids
+    /// where these stand apart evenly.
     pub fn channels(
         &mut self,
         bounds: &AxisBox<D>,

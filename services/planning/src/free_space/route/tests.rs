@@ -266,6 +266,12 @@ fn gaps_that_make_no_route_are_rejected() {
 }
 
 #[test]
+fn memory_is_as_documented() {
+    assert!(size_of::<Label<2>>() + size_of::<Entry>() <= 8 * 2 + 104);
+    assert!(size_of::<Label<3>>() + size_of::<Entry>() <= 8 * 3 + 104);
+}
+
+#[test]
 fn steps_and_junctions_are_capped() {
     let mut graph = Graph::default();
     graph.build(&section_4(), 3).expect("3 junctions");

@@ -20,6 +20,9 @@ const NONE: u32 = u32::MAX;
 /// How often the extent along an axis is halved.
 const DEPTH: u32 = 24;
 
+/// Up to so many solids are looked at without the index.
+const FEW: usize = 16;
+
 const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +37,21 @@ impl<const D: usize> Part<D> {
             Sign::Negative => self.min[axis],
             Sign::Positive => self.max[axis],
         }
+    }
+
+    fn coordinates(&self) -> impl Iterator<Item = f64> {
+        self.min.iter().chain(self.max.iter()).copied()
+    }
+
+    /// A number that has nothing to do with where it is.
+    fn shuffled(&self) -> u64 {
+        // The mixing steps of the SplitMix64 generator.
+        self.coordinates().fold(0, |hash: u64, coordinate| {
+            let mixed = (hash ^ coordinate.to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+            mixed ^ mixed >> 31
+        })
     }
 
     fn overlaps(&self, other: &Self, axis: usize) -> bool {
@@ -67,6 +85,8 @@ struct Candidate<const D: usize> {
 pub(super) struct Sweep<const D: usize> {
     solids: Vec<Part<D>>,
     tree: BoxTree<D>,
+    /// Per axis and side: where the solids have it, in ascending order.
+    sides: Vec<(f64, u32)>,
     nodes: Vec<Node>,
     candidates: Vec<Candidate<D>>,
     /// The first unused candidate.
@@ -156,16 +176,43 @@ impl<const D: usize> Sweep<D> {
         let inside = solids.iter().filter_map(|solid| solid.intersection(bounds));
         self.solids.clear();
         self.solids.extend(inside.map(|solid| Part { min: solid.min(), max: solid.max() }));
+        // Solids that begin together come in an order without rhyme or reason:
+        // from one end to the other, each would look at all that come later.
         self.solids.sort_unstable_by(|a, b| {
-            let keys = |part: &Part<D>| (part.min, part.max);
-            let ((a_min, a_max), (b_min, b_max)) = (keys(a), keys(b));
-            let from_last = (0..D).rev().map(|axis| a_min[axis].total_cmp(&b_min[axis]));
-            let ends = (0..D).map(|axis| a_max[axis].total_cmp(&b_max[axis]));
-            from_last.chain(ends).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+            let begin = a.min[D - 1].total_cmp(&b.min[D - 1]);
+            let shuffled = begin.then_with(|| a.shuffled().cmp(&b.shuffled()));
+            shuffled.then_with(|| {
+                let pairs = a.coordinates().zip(b.coordinates());
+                let order = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+                order.unwrap_or(std::cmp::Ordering::Equal)
+            })
         });
         self.solids.dedup_by(|a, b| a.min == b.min && a.max == b.max);
         let solids = &self.solids;
         self.tree.build(solids.len(), |index| (solids[index].min, solids[index].max));
+        self.sides.clear();
+        for axis in 0..D {
+            for sign in SIGNS {
+                let begin = self.sides.len();
+                let at = solids.iter().map(|solid| solid.side(axis, sign));
+                self.sides.extend(at.zip(0..));
+                self.sides[begin..]
+                    .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            }
+        }
+    }
+
+    /// The solids whose side towards a part lies where that has its own, by index.
+    fn facing(&self, axis: usize, sign: Sign, at: f64) -> &[(f64, u32)] {
+        let count = self.solids.len();
+        // The part's greatest side meets a solid's least.
+        let place = 2 * axis + usize::from(sign == Sign::Negative);
+        let sides = &self.sides[place * count..(place + 1) * count];
+        let begin = sides.partition_point(|side| side.0 < at);
+        let rest = &sides[begin..];
+        // Few are in one place, as a rule.
+        let few = rest.iter().take(FEW + 1).take_while(|side| side.0 == at).count();
+        if few <= FEW { &rest[..few] } else { rest }
     }
 
     /// Whether a part left by the solid `newest` is held on every side by a solid
@@ -192,6 +239,18 @@ impl<const D: usize> Sweep<D> {
         let at = part.side(axis, sign);
         if at == scene.bounds.side(axis, sign) {
             return true;
+        }
+        let facing = self.facing(axis, sign, at);
+        if facing.len() <= FEW {
+            // A solid that reaches further would reach into the part.
+            let touches = |(_, index): &(f64, u32)| {
+                let solid = &self.solids[*index as usize];
+                *index as usize <= newest
+                    && (0..D).all(|other| other == axis || solid.overlaps(part, other))
+            };
+            let found = facing.iter().any(touches);
+            self.steps += facing.len();
+            return found;
         }
         let (mut min, mut max) = (part.min, part.max);
         // No solid taken so far begins later.
