@@ -3,6 +3,7 @@
 mod assembly;
 mod check;
 mod driving;
+mod free_space;
 mod parts;
 mod refuse;
 

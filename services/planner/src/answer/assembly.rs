@@ -1,17 +1,21 @@
 //! Assembly tasks: a body that translates out of a part (paper, section 3), or into
 //! it by the same way-points in reverse.
 
+use std::mem;
+
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
 use planning::clearance::walls::Walls;
 use planning::disassembly::{self, DisassemblyError, Path, disassemble};
+use planning::free_space::route::Traveller;
 use planning::free_space::{Chain, End};
-use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use planning::geometry::{Direction, Sign, Vector};
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{self, Gap, Refusal, RequestKey, SceneRequest, Solid, Task};
 use schemas::wire::ReplyHeader;
 
+use super::free_space::FreeSpace;
 use super::parts::{self, Parts};
 use super::refuse::{self, Axes, PLANE, SPACE};
 use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
@@ -21,13 +25,18 @@ use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
 pub(super) struct Assembly<const D: usize> {
     body: Vec<Vector<2>>,
     solid: Vec<Vector<2>>,
-    channels: Vec<AxisBox<D>>,
+    free_space: FreeSpace<D>,
     chain: Chain<D>,
     walls: Walls<D>,
+    /// The exit at hand, and whether the walls are made for it.
+    exit: Option<Direction>,
+    walled: bool,
     exits: Vec<Direction>,
     gaps: Vec<Vector<D>>,
     path: Path<D>,
+    /// Of the legs, and of the whole motion; none where there are no walls.
     clearances: Vec<Clearance<D>>,
+    clearance: Option<Clearance<D>>,
     profile: Profile,
 }
 
@@ -40,14 +49,6 @@ struct Terms<'a, const D: usize> {
     sampling: Sampling,
 }
 
-/// An answer, beside what the memory holds.
-struct Planned<const D: usize> {
-    /// The way out, where the request left a choice.
-    exit: Option<message::Direction>,
-    /// None where there are no walls.
-    clearance: Option<Clearance<D>>,
-}
-
 impl Assembly<2> {
     /// Answers a request for a body in the plane. `Err`: the request as a whole is
     /// refused, and nothing has been sent.
@@ -58,11 +59,12 @@ impl Assembly<2> {
         wishes: &Wishes,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        check::push_solids(scene, &PLANE, &mut self.solid, &mut self.walls)?;
+        self.free_space.read(scene, &PLANE)?;
         match &scene.body {
             message::Body::Polygon(vertices) => {
                 let body = check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;
                 let terms = Terms::new(scene, PLANE, Body::from_polygon(&body))?;
+                self.push_solids(&terms)?;
                 let answered = self.answer_body(key, &terms, wishes, sink);
                 self.body = body.into_vertices();
                 answered
@@ -70,10 +72,17 @@ impl Assembly<2> {
             message::Body::Box(sides) => {
                 let body = check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?;
                 let terms = Terms::new(scene, PLANE, Body::from_box(&body))?;
+                self.push_solids(&terms)?;
                 self.answer_body(key, &terms, wishes, sink)
             }
             message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
         }
+    }
+
+    fn push_solids(&mut self, terms: &Terms<2>) -> Result<(), Refusal> {
+        let Self { solid, walls, free_space, .. } = self;
+        let size = terms.body.bounds().size();
+        check::push_solids(terms.scene, &PLANE, solid, walls, free_space, size.as_slice())
     }
 }
 
@@ -86,12 +95,17 @@ impl Assembly<3> {
         wishes: &Wishes,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
+        self.free_space.read(scene, &SPACE)?;
         self.walls.clear();
         for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
             match solid {
                 Solid::Box(sides) => {
                     let field = || format!("free_space.solids[{index}].box");
-                    self.walls.push_box(&check::axis_box(field, &SPACE, sides)?);
+                    let solid = check::axis_box(field, &SPACE, sides)?;
+                    self.walls.push_box(&solid);
+                    if self.free_space.is_made() {
+                        self.free_space.solids.push_box(solid);
+                    }
                 }
                 Solid::Polygon(_) => {
                     return Err(check::flat(format!("free_space.solids[{index}].polygon")));
@@ -122,13 +136,6 @@ impl<'a, const D: usize> Terms<'a, D> {
     }
 }
 
-impl<const D: usize> Terms<'_, D> {
-    /// Whether the walls are the request's solids, not the channels' complement.
-    fn solids(&self) -> bool {
-        self.scene.free_space.solids.as_ref().is_some_and(|solids| !solids.is_empty())
-    }
-}
-
 impl<const D: usize> Assembly<D> {
     /// Answers for a body that is checked, solid walls being in place.
     fn answer_body<S: PartSink>(
@@ -138,19 +145,13 @@ impl<const D: usize> Assembly<D> {
         wishes: &Wishes,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        let scene = terms.scene;
-        self.channels.clear();
-        for (index, sides) in scene.free_space.channels.iter().flatten().enumerate() {
-            let field = || format!("free_space.channels[{index}]");
-            self.channels.push(check::axis_box(field, &terms.axes, sides)?);
-        }
         self.set_exits(terms)?;
         if let [exit] = self.exits[..] {
             self.prepare(terms, exit)?;
         }
-        answer_each(key, scene.id, wishes, sink, |index, last, parts| {
-            let planned = self.plan(terms, wishes, index)?;
-            Ok(self.send(terms, &planned, wishes.sampled(), last, parts))
+        answer_each(key, terms.scene.id, wishes, sink, |index, last, parts| {
+            let exit = self.plan(terms, wishes, index)?;
+            Ok(self.send(terms, exit, wishes.sampled(), last, parts))
         })
     }
 
@@ -167,26 +168,48 @@ impl<const D: usize> Assembly<D> {
         Ok(())
     }
 
-    /// Makes the chain that leads to an exit, and its walls.
+    /// Makes what all ways to an exit have in common.
     fn prepare(&mut self, terms: &Terms<D>, exit: Direction) -> Result<(), Refusal> {
+        let free_space = &mut self.free_space;
+        if free_space.is_made() {
+            let body = terms.body.bounds();
+            let cavity = free_space.bounds().copied().or(free_space.solids.cavity(body, exit));
+            let Some(cavity) = cavity else {
+                let message = "free_space.solids bound no cavity";
+                return Err(Refusal::invalid("free_space.solids", message));
+            };
+            free_space.make(cavity, body.size())?;
+            check::mouth(&terms.axes, free_space.channels(), &cavity, exit)?;
+        }
+        self.exit = Some(exit);
+        self.walled = check::has_solids(terms.scene);
+        if self.walled {
+            self.walls.index();
+        }
+        if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit) }
+    }
+
+    /// Makes the chain of the channels travelled, and the walls where they are the
+    /// channels' complement and not made yet.
+    fn build_chain(&mut self, terms: &Terms<D>, exit: Direction) -> Result<(), Refusal> {
         self.chain
-            .build(&self.channels, &terms.body.bounds().center(), End::Exit(exit))
+            .build(self.free_space.travelled(), &terms.body.bounds().center(), End::Exit(exit))
             .map_err(|error| refuse::chain(&terms.axes, error))?;
-        match terms.solids() {
-            true => self.walls.index(),
-            false => self.walls.set_complement(&self.channels, self.chain.mouth()),
+        if !self.walled {
+            self.walls.set_complement(self.free_space.channels(), self.chain.mouth());
+            self.walled = true;
         }
         Ok(())
     }
 
     /// Plans one answer; `path`, `clearances` and `profile` then hold it. Where there are
-    /// several exits, it is the one with the shortest path.
+    /// several exits, it is the one with the shortest path, and its exit is returned.
     fn plan(
         &mut self,
         terms: &Terms<D>,
         wishes: &Wishes,
         index: u32,
-    ) -> Result<Planned<D>, Refused> {
+    ) -> Result<Option<message::Direction>, Refused> {
         let wish = wishes.get(index);
         let exit = match self.exits[..] {
             [_] => {
@@ -195,13 +218,14 @@ impl<const D: usize> Assembly<D> {
             }
             _ => Some(self.shortest(terms, wish, || wishes.field(index))?),
         };
+        let Self { path, clearances, clearance, .. } = self;
         if terms.scene.task == Task::Assemble {
-            self.path.reverse();
-        }
-        let Self { path, walls, clearances, .. } = self;
-        let clearance = translating_clearance(&terms.body, walls, path.legs(), clearances);
-        if let Some(near) = clearance.filter(|near| near.value <= 0.0 && terms.solids()) {
-            return Err(refuse::wall_in_the_way(&near).into());
+            // Measured on the way out: the reverse is exact in every number.
+            path.reverse();
+            clearances.reverse();
+            if let Some(near) = clearance {
+                near.at = path.length() - near.at;
+            }
         }
         self.profile.plan(self.path.legs(), &terms.limits, Stops::EveryLeg);
         if wishes.sampled() {
@@ -210,7 +234,7 @@ impl<const D: usize> Assembly<D> {
                 return Err(refuse::too_many_samples(samples).into());
             }
         }
-        Ok(Planned { exit, clearance })
+        Ok(exit)
     }
 
     fn shortest(
@@ -254,6 +278,20 @@ impl<const D: usize> Assembly<D> {
         wish: Wish,
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
+        let mut gaps = mem::take(&mut self.gaps);
+        let found = self.find_path_with(terms, wish, &mut gaps, field);
+        self.gaps = gaps;
+        found
+    }
+
+    /// The same, in memory for a gap per junction.
+    fn find_path_with(
+        &mut self,
+        terms: &Terms<D>,
+        wish: Wish,
+        memory: &mut Vec<Vector<D>>,
+        field: impl Fn() -> String,
+    ) -> Result<(), Refused> {
         let gap = match wish {
             Wish::Gap(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
             Wish::Gap(Gap::PerAxis(gaps)) => disassembly::Gap::PerAxis(
@@ -261,7 +299,7 @@ impl<const D: usize> Assembly<D> {
                     .ok_or_else(|| check::gaps_per_axis(field(), gaps.dimension(), D))?,
             ),
             Wish::Gaps(gaps) => {
-                self.gaps.clear();
+                memory.clear();
                 for (junction, gap) in gaps.iter().enumerate() {
                     let gap = match gap {
                         Gap::Uniform(gap) => Vector::repeat(*gap),
@@ -270,13 +308,18 @@ impl<const D: usize> Assembly<D> {
                             check::gaps_per_axis(field, gaps.dimension(), D)
                         })?,
                     };
-                    self.gaps.push(gap);
+                    memory.push(gap);
                 }
-                disassembly::Gap::PerJunction(&self.gaps)
+                disassembly::Gap::PerJunction(memory)
             }
             Wish::Safest => disassembly::Gap::Safest,
             Wish::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
         };
+        if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
+            let traveller = || Traveller::body(terms.body.bounds(), gap);
+            self.free_space.find(&terms.axes, &field, traveller, End::Exit(exit))?;
+            self.build_chain(terms, exit)?;
+        }
         disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path).map_err(|error| {
             let whole = matches!(
                 error,
@@ -285,18 +328,25 @@ impl<const D: usize> Assembly<D> {
                     | DisassemblyError::JunctionTooSmall { .. }
             );
             Refused { refusal: refuse::disassembly(&terms.axes, field(), error), whole }
-        })
+        })?;
+        let Self { path, walls, clearances, .. } = self;
+        self.clearance = translating_clearance(&terms.body, walls, path.legs(), clearances);
+        // Channels can't be left (lemma 1); solids may stand in them.
+        match self.clearance.filter(|near| near.value <= 0.0 && check::has_solids(terms.scene)) {
+            Some(near) => Err(refuse::wall_in_the_way(&near).into()),
+            None => Ok(()),
+        }
     }
 
     fn send<S: PartSink>(
         &self,
         terms: &Terms<D>,
-        planned: &Planned<D>,
+        exit: Option<message::Direction>,
         sampled: bool,
         last: bool,
         parts: &mut Parts<S>,
     ) -> Result<(), S::Error> {
-        let Self { path, clearances, profile, channels, .. } = self;
+        let Self { path, clearances, clearance, profile, free_space, .. } = self;
         let legs = path.legs();
         let still = Profile::default();
         let samples = match sampled {
@@ -305,18 +355,18 @@ impl<const D: usize> Assembly<D> {
         };
         let lists = TrajectoryWriter {
             gaps: (0..path.gaps().len() * D).map(|at| path.gaps()[at / D][at % D]),
-            route: (0..channels.len()).map(|channel| channel as u64),
-            channels: std::iter::empty(),
+            route: free_space.route(),
+            channels: free_space.named(),
             legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
             samples: samples.map(|state| parts::sample(&state)),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = D as u32;
             header.gaps_per_junction = D as u32;
-            header.exit = ReplyHeader::exit_code(planned.exit);
+            header.exit = ReplyHeader::exit_code(exit);
             header.length = path.length();
             header.duration = profile.duration();
-            parts::clearance(header, planned.clearance.as_ref());
+            parts::clearance(header, clearance.as_ref());
         };
         parts.trajectory(fill, lists, last)
     }

@@ -9,6 +9,7 @@ use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
 use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 
+use super::free_space::FreeSpace;
 use super::refuse::{self, Axes};
 
 /// Fields that do not go together.
@@ -25,24 +26,19 @@ pub(super) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
         return Err(Refusal::invalid(field, format!("{field} goes with {goes} only")));
     }
     let free_space = &scene.free_space;
-    match (&free_space.channels, &free_space.solids) {
-        (None, None) => {
-            return Err(Refusal::invalid(
-                "free_space",
-                "free_space has neither channels nor solids",
-            ));
+    if free_space.channels.is_none() {
+        if free_space.solids.as_ref().is_none_or(Vec::is_empty) {
+            let message = "free_space has neither channels nor solids";
+            return Err(Refusal::invalid("free_space", message));
         }
-        (None, Some(_)) => {
-            let message =
-                "free_space: channels are not made from solids yet; give channels as well";
-            return Err(Refusal::invalid("free_space.channels", message));
-        }
-        (Some(channels), _) if channels.len() > 1 && !free_space.in_order => {
-            let message = "free_space: no route is sought through unordered channels yet; give \
-                           them in travel order, and \"in_order\": true";
+        if free_space.in_order {
+            let message = "free_space.in_order goes with channels, and there are none";
             return Err(Refusal::invalid("free_space.in_order", message));
         }
-        (Some(_), _) => {}
+        if drive && free_space.bounds.is_none() {
+            let message = "free_space.bounds is missing: solids alone do not bound a floor";
+            return Err(Refusal::invalid("free_space.bounds", message));
+        }
     }
     if let Some(deadline) = scene.deadline
         && !(deadline.is_finite() && deadline > 0.0)
@@ -88,30 +84,67 @@ pub(super) fn polygon(
     })
 }
 
-/// Fills `walls` with the scene's solids in the plane; whether there are any.
+/// Fills `walls` with the scene's solids in the plane, and with the same what channels are
+/// to be made from, for a body of this size.
 pub(super) fn push_solids(
     scene: &SceneRequest,
     axes: &Axes,
     memory: &mut Vec<Vector<2>>,
     walls: &mut Walls<2>,
-) -> Result<bool, Refusal> {
+    free_space: &mut FreeSpace<2>,
+    size: &[f64],
+) -> Result<(), Refusal> {
     walls.clear();
+    let slant = free_space.slant(size);
     let solids = scene.free_space.solids.as_deref().unwrap_or_default();
     for (index, solid) in solids.iter().enumerate() {
         match solid {
             Solid::Box(sides) => {
                 let field = || format!("free_space.solids[{index}].box");
-                walls.push_box(&axis_box(field, axes, sides)?);
+                let solid = axis_box(field, axes, sides)?;
+                walls.push_box(&solid);
+                if slant.is_some() {
+                    free_space.solids.push_box(solid);
+                }
             }
             Solid::Polygon(vertices) => {
                 let field = || format!("free_space.solids[{index}].polygon");
                 let solid = polygon(field, vertices, memory)?;
                 walls.push_polygon(&solid);
+                if let Some(tolerance) = slant {
+                    let caps = FreeSpace::<2>::caps();
+                    free_space
+                        .solids
+                        .push_polygon(&solid, tolerance, &caps)
+                        .map_err(|error| refuse::solids(&field(), &error))?;
+                }
                 *memory = solid.into_vertices();
             }
         }
     }
-    Ok(!solids.is_empty())
+    Ok(())
+}
+
+/// Whether the walls are the request's solids, not the channels' complement.
+pub(super) fn has_solids(scene: &SceneRequest) -> bool {
+    scene.free_space.solids.as_ref().is_some_and(|solids| !solids.is_empty())
+}
+
+/// Refuses a cavity that none of its channels leads out of along the exit.
+pub(super) fn mouth<const D: usize>(
+    axes: &Axes,
+    channels: &[AxisBox<D>],
+    cavity: &AxisBox<D>,
+    exit: Direction,
+) -> Result<(), Refusal> {
+    let reach =
+        |sides: &AxisBox<D>| exit.coordinate(&sides.min()).max(exit.coordinate(&sides.max()));
+    let has = channels.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
+    let needs = reach(cavity);
+    if channels.is_empty() || has >= needs {
+        return Ok(());
+    }
+    Err(refuse::no_mouth(axes, exit, needs, has))
 }
 
 /// Refuses numbers that are none.

@@ -1,15 +1,19 @@
 //! Driving: the rectangular mobile robot through corridors (paper, section 5).
 
 use planning::clearance::rectangle::Footprint;
-use planning::clearance::walls::Walls;
-use planning::driving::{self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of};
+use planning::clearance::walls::{Wall, Walls};
+use planning::driving::{
+    self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
+};
+use planning::free_space::route::Traveller;
 use planning::free_space::{Chain, End};
-use planning::geometry::AxisBox;
+use planning::geometry::{AxisBox, Vector};
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{self, Body, Gap, Refusal, RequestKey, SceneRequest};
 use schemas::wire::ReplyHeader;
 
+use super::free_space::FreeSpace;
 use super::parts::{self, Parts};
 use super::refuse::{self, FLOOR};
 use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
@@ -17,8 +21,8 @@ use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
 /// Memory for driving tasks.
 #[derive(Debug, Default)]
 pub(super) struct Driving {
-    solid: Vec<planning::geometry::Vector<2>>,
-    channels: Vec<AxisBox<2>>,
+    solid: Vec<Vector<2>>,
+    free_space: FreeSpace<2>,
     chain: Chain<2>,
     corners: Vec<Corner>,
     walls: Walls<2>,
@@ -49,18 +53,21 @@ impl Driving {
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
         let terms = Terms::of(scene)?;
-        self.channels.clear();
-        for (index, sides) in scene.free_space.channels.iter().flatten().enumerate() {
-            let field = || format!("free_space.channels[{index}]");
-            self.channels.push(check::axis_box(field, &FLOOR, sides)?);
+        self.free_space.read(scene, &FLOOR)?;
+        let Self { solid, walls, free_space, .. } = self;
+        let size = [terms.footprint.width(), terms.footprint.length()];
+        check::push_solids(scene, &FLOOR, solid, walls, free_space, &size)?;
+        if free_space.is_made() {
+            let bounds = *free_space.bounds().expect("checked: solids alone bound no floor");
+            push_inside(&bounds, walls);
+            free_space.make(bounds, Vector::repeat(terms.footprint.width()))?;
         }
-        self.chain
-            .build(&self.channels, &terms.start.position, End::Goal(terms.goal.position))
-            .map_err(|error| refuse::chain(&FLOOR, error))?;
-        corners_of(&self.chain, &mut self.corners);
-        match check::push_solids(scene, &FLOOR, &mut self.solid, &mut self.walls)? {
-            true => self.walls.index(),
-            false => self.walls.set_complement(&self.channels, None),
+        match check::has_solids(scene) {
+            true => walls.index(),
+            false => walls.set_complement(free_space.channels(), None),
+        }
+        if !self.free_space.is_routed() {
+            self.build_chain(&terms)?;
         }
 
         let mut safest = None;
@@ -68,6 +75,33 @@ impl Driving {
             self.plan(&terms, wishes, index, &mut safest)?;
             Ok(self.send(&terms, wishes.sampled(), last, parts))
         })
+    }
+
+    /// Makes the chain of the channels travelled, and its corners.
+    fn build_chain(&mut self, terms: &Terms) -> Result<(), Refusal> {
+        let Self { chain, free_space, corners, .. } = self;
+        chain
+            .build(free_space.travelled(), &terms.start.position, End::Goal(terms.goal.position))
+            .map_err(|error| refuse::chain(&FLOOR, error))?;
+        corners_of(chain, corners);
+        Ok(())
+    }
+
+    /// Finds the channels to travel for a robot that is to keep this gap; none: any.
+    fn find_route(
+        &mut self,
+        terms: &Terms,
+        gap: Option<f64>,
+        field: impl Fn() -> String,
+    ) -> Result<(), Refused> {
+        let footprint = &terms.footprint;
+        // What the robot needs to turn (METHOD 6.4: R(g) < W), and its guiding circle (5.1).
+        let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));
+        let radius = footprint.width() / 2.0 + gap.unwrap_or(0.0);
+        let traveller =
+            || Ok(Traveller::robot(terms.start.position, Vector::repeat(needs), radius));
+        self.free_space.find(&FLOOR, field, traveller, End::Goal(terms.goal.position))?;
+        Ok(self.build_chain(terms)?)
     }
 
     /// Plans one answer; `path`, `gaps` and `profile` then hold it. `safest` is sought
@@ -79,6 +113,19 @@ impl Driving {
         index: u32,
         safest: &mut Option<f64>,
     ) -> Result<(), Refused> {
+        let wish = wishes.get(index);
+        if self.free_space.is_routed() {
+            let gap = match wish {
+                Wish::Gap(gap) => one_number(gap),
+                Wish::Gaps(_) => {
+                    let field = wishes.field(index);
+                    let message = format!("{field}: no gap per corner before the route is known");
+                    return Err(Refusal::invalid(field, message).into());
+                }
+                Wish::Safest | Wish::Fraction(_) => None,
+            };
+            self.find_route(terms, gap, || wishes.field(index))?;
+        }
         let Self { chain, corners, walls, gaps, path, profile, .. } = self;
         let channels = chain.channels();
         let task = Drive {
@@ -93,7 +140,7 @@ impl Driving {
         };
         let refused = |error: DrivingError| refuse::driving(wishes.field(index), error);
         gaps.clear();
-        match wishes.get(index) {
+        match wish {
             Wish::Gap(gap) => {
                 let gap = one_number(gap).ok_or_else(|| wrong_gap(wishes.field(index)))?;
                 gaps.resize(corners.len(), gap);
@@ -131,7 +178,7 @@ impl Driving {
         last: bool,
         parts: &mut Parts<S>,
     ) -> Result<(), S::Error> {
-        let Self { path, gaps, profile, channels, .. } = self;
+        let Self { path, gaps, profile, free_space, .. } = self;
         let still = Profile::default();
         let samples = match sampled {
             true => profile.samples(path.legs(), terms.sampling),
@@ -140,8 +187,8 @@ impl Driving {
         let legs = path.legs().iter().zip(path.leg_clearances());
         let lists = TrajectoryWriter {
             gaps: gaps.iter().copied(),
-            route: (0..channels.len()).map(|channel| channel as u64),
-            channels: std::iter::empty(),
+            route: free_space.route(),
+            channels: free_space.named(),
             legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
             samples: samples.map(|state| parts::sample(&state)),
         };
@@ -194,6 +241,15 @@ impl Terms {
             limits: check::limits(&scene.limits)?,
             sampling: check::sampling(scene.sampling)?,
         })
+    }
+}
+
+/// The sides of the bounds, seen from within.
+fn push_inside(bounds: &AxisBox<2>, walls: &mut Walls<2>) {
+    let (min, max) = (bounds.min(), bounds.max());
+    let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));
+    for (from, to) in [(min, right), (right, max), (left, max), (min, left)] {
+        walls.push(Wall { from, to });
     }
 }
 

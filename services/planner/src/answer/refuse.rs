@@ -6,7 +6,8 @@ use planning::clearance::Clearance;
 use planning::disassembly::DisassemblyError;
 use planning::driving::DrivingError;
 use planning::free_space::ChainError;
-use planning::geometry::BoxError;
+use planning::free_space::route::RouteError;
+use planning::geometry::{BoxError, Direction, Sign};
 use planning::trajectory::{LimitError, SamplingError};
 use schemas::message::{ErrorCode, Refusal};
 
@@ -153,6 +154,128 @@ pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -
     }
 }
 
+/// Solids or channels that are too many, or too fine.
+pub(super) fn solids(field: &str, error: &impl fmt::Display) -> Refusal {
+    Refusal::invalid(field, format!("{field}: {error}"))
+}
+
+pub(super) fn no_mouth(axes: &Axes, exit: Direction, needs: f64, has: f64) -> Refusal {
+    let (sign, way) = (exit.sign.factor(), if exit.sign == Sign::Positive { '+' } else { '-' });
+    let axis = letter(axes, exit.axis);
+    let (needs, has) = (sign * needs, sign * has);
+    let message = format!(
+        "no route: the cavity has no mouth towards {way}{axis}; its channels reach {axis} = {}, and \
+         the way out is at {axis} = {}",
+        Short(has),
+        Short(needs)
+    );
+    let refusal = Refusal::new(ErrorCode::NoRoute, message);
+    Refusal { axis: Some(axes[exit.axis]), needs: Some(needs), has: Some(has), ..refusal }
+}
+
+pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
+    let no_route = |message| Refusal::new(ErrorCode::NoRoute, message);
+    let (refusal, whole) = match error {
+        RouteError::NoChannels => {
+            (no_route("the free space has no channel larger than the body".to_owned()), true)
+        }
+        RouteError::StartOutside { channel, axis, body, end } => {
+            let message = format!(
+                "no channel holds the start: channel {channel} comes nearest, but ends at {} along \
+                 {}, and the body reaches {}",
+                Short(end),
+                letter(axes, axis),
+                Short(body)
+            );
+            let refusal = Refusal::new(ErrorCode::BodyOutsideFreeSpace, message);
+            let (needs, has) = (Some(body), Some(end));
+            (Refusal { axis: Some(axes[axis]), needs, has, ..refusal }, true)
+        }
+        RouteError::GoalOutside { channel, axis, goal, end } => {
+            let message = format!(
+                "no channel holds the goal: channel {channel} comes nearest, but ends at {} along \
+                 {}, and the goal is at {}",
+                Short(end),
+                letter(axes, axis),
+                Short(goal)
+            );
+            let refusal = Refusal::new(ErrorCode::GoalOutsideFreeSpace, message);
+            let (needs, has) = (Some(goal), Some(end));
+            (Refusal { axis: Some(axes[axis]), needs, has, ..refusal }, true)
+        }
+        RouteError::JunctionTooSmall { first, second, axis, needs, has } => {
+            let message = format!(
+                "no route: the junction of channels {first} and {second} would open one, but it is \
+                 {} m wide along {}, more than {} m are needed",
+                Short(has),
+                letter(axes, axis),
+                Short(needs)
+            );
+            let (needs, has) = (Some(needs), Some(has));
+            (Refusal { axis: Some(axes[axis]), needs, has, ..no_route(message) }, false)
+        }
+        RouteError::GapOutOfRange { first, second, axis, gap, least, most } => {
+            let message = format!(
+                "no route with a gap of {} m: at the junction of channels {first} and {second} it \
+                 must be greater than {} m and less than {} m along {}",
+                Short(gap),
+                Short(least),
+                Short(most),
+                letter(axes, axis)
+            );
+            let refusal = Refusal {
+                field: Some(field),
+                axis: Some(axes[axis]),
+                has: Some(gap),
+                least: Some(least),
+                most: Some(most),
+                ..Refusal::new(ErrorCode::GapOutOfRange, message)
+            };
+            (refusal, false)
+        }
+        RouteError::GapNotPositive { axis, gap, least } => {
+            let message = format!(
+                "a gap of {} m along {} must be greater than {} m",
+                Short(gap),
+                letter(axes, axis),
+                Short(least)
+            );
+            let refusal = Refusal {
+                field: Some(field),
+                axis: Some(axes[axis]),
+                has: Some(gap),
+                least: Some(least),
+                ..Refusal::new(ErrorCode::GapOutOfRange, message)
+            };
+            (refusal, false)
+        }
+        RouteError::Separate { reached, channels } => {
+            let message = format!(
+                "no route: start and end lie in separate parts of the free space; {reached} of \
+                 {channels} channels hang together with the start"
+            );
+            let (needs, has) = (Some(channels as f64), Some(reached as f64));
+            (Refusal { needs, has, ..no_route(message) }, true)
+        }
+        RouteError::Parallel { first, second, axis } => {
+            let message = format!(
+                "no route: channels {first} and {second} both run along {}, and a junction turns \
+                 from one axis to another",
+                letter(axes, axis)
+            );
+            (Refusal { axis: Some(axes[axis]), ..no_route(message) }, true)
+        }
+        RouteError::GapPerJunction { .. } => (Refusal::invalid(field, error.to_string()), false),
+        RouteError::TooManySteps { .. } => {
+            (Refusal::invalid("free_space", format!("free_space: {error}")), false)
+        }
+        RouteError::FractionOutOfRange { .. } => {
+            (Refusal::new(ErrorCode::Internal, error.to_string()), false)
+        }
+    };
+    Refused { refusal, whole }
+}
+
 pub(super) fn driving(field: String, error: DrivingError) -> Refused {
     let refusal = |code| Refusal::new(code, error.to_string());
     let corner = |corner: usize| Some(corner as u64);
@@ -220,7 +343,9 @@ pub(super) fn driving(field: String, error: DrivingError) -> Refused {
 pub(super) fn wall_in_the_way<const D: usize>(near: &Clearance<D>) -> Refusal {
     let (at, wall) = (near.at, near.wall.as_slice());
     let message = format!(
-        "the body touches a wall at {wall:?} after {at} m: it needs more than 0 m there and has 0 m"
+        "the body touches a wall at ({}) after {} m: it needs more than 0 m there and has 0 m",
+        wall.iter().map(|value| Short(*value).to_string()).collect::<Vec<_>>().join(", "),
+        Short(at)
     );
     let refusal = Refusal::new(ErrorCode::WallInTheWay, message);
     Refusal { needs: Some(0.0), has: Some(near.value), ..refusal }
