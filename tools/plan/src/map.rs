@@ -70,6 +70,8 @@ pub enum MapError {
     TooFarOut { path: PathBuf, resolution: f64, farthest: f64 },
     #[error("{}: not a PNG or PGM picture that can be read: {cause}", path.display())]
     Picture { path: PathBuf, cause: image::ImageError },
+    #[error("{}: the picture has {width} x {height} cells", path.display())]
+    NoCells { path: PathBuf, width: u32, height: u32 },
     #[error(
         "{}: the picture has {width} x {height} = {has} cells, at most {most} are read",
         path.display()

@@ -34,12 +34,12 @@ fn draw() -> Vec<u8> {
         (UNKNOWN, [0, 200], [0, 140]),
         // The outer walls with all that is within, then what is not wall.
         (WALL, [5, 195], [5, 135]),
-        (FREE, [7, 39], [7, 86]),    // corridor, west
-        (FREE, [7, 193], [54, 86]),  // corridor, from west to east
+        (FREE, [7, 39], [7, 86]),      // corridor, west
+        (FREE, [7, 193], [54, 86]),    // corridor, from west to east
         (FREE, [161, 193], [54, 133]), // corridor, east
-        (FREE, [7, 79], [88, 133]),  // room, north west
-        (FREE, [46, 62], [86, 88]),  // and its door
-        (FREE, [81, 159], [88, 133]), // room, north east
+        (FREE, [7, 79], [88, 133]),    // room, north west
+        (FREE, [46, 62], [86, 88]),    // and its door
+        (FREE, [81, 159], [88, 133]),  // room, north east
         (FREE, [110, 126], [86, 88]),
         (FREE, [41, 100], [7, 52]), // room, south west
         (FREE, [70, 86], [52, 54]),
