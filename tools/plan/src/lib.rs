@@ -1,4 +1,5 @@
 //! What the `plan` command prints and draws; the demo shows the same.
 
+pub mod map;
 pub mod output;
 pub mod picture;

@@ -8,9 +8,10 @@ use std::time::Duration;
 
 use bus::{CallError, Client, Domain, Wait};
 use clap::{Parser, ValueEnum};
+use plan::map::{self, MapError};
 use plan::output;
 use schemas::json;
-use schemas::message::{Reply, Request, RequestContent, RequestKey, SceneRequest};
+use schemas::message::{FreeSpace, Reply, Request, RequestContent, RequestKey, SceneRequest};
 use tracing_subscriber::EnvFilter;
 
 /// Sends scenes to the running planner and prints the replies, in order.
@@ -20,6 +21,7 @@ use tracing_subscriber::EnvFilter;
     after_help = "\
 Examples:
   plan recordings/scenes/disassemble.json
+  plan --map office.yaml drive-office.json
   plan --local --format json scene.json | jq .trajectories[0].length
   generate-scenes | plan --format csv - > samples.csv
 
@@ -33,6 +35,10 @@ struct Arguments {
     /// The planner's domain
     #[arg(long, value_name = "NAME")]
     domain: Option<Domain>,
+    /// A floor plan as the ROS map server has them: the free space of every scene, which then
+    /// has none of its own
+    #[arg(long, value_name = "FILE.yaml")]
+    map: Option<PathBuf>,
     /// Plan in this process, without a planner: the same bytes
     #[arg(long)]
     local: bool,
@@ -82,6 +88,8 @@ fn main() -> ExitCode {
 #[derive(Debug, thiserror::Error)]
 enum Failure {
     #[error(transparent)]
+    Map(#[from] MapError),
+    #[error(transparent)]
     Connect(#[from] bus::ConnectError),
     #[error(transparent)]
     Call(#[from] CallError),
@@ -97,8 +105,10 @@ enum Failure {
 
 /// Whether every scene has a trajectory.
 fn run(arguments: &Arguments) -> Result<bool, Failure> {
+    let map = arguments.map.as_deref().map(map::read).transpose()?;
     let mut session = Session {
         arguments,
+        map,
         planner: match arguments.local {
             true => Planner::Local { sequence: 0 },
             false => {
@@ -164,6 +174,7 @@ fn refusal_to(id: Option<u64>, refusal: schemas::message::Refusal) -> Reply {
 
 struct Session<'a> {
     arguments: &'a Arguments,
+    map: Option<FreeSpace>,
     planner: Planner,
     out: BufWriter<io::StdoutLock<'a>>,
     scenes: usize,
@@ -173,7 +184,11 @@ struct Session<'a> {
 impl Session<'_> {
     fn scene(&mut self, name: &str, text: &str) -> Result<(), Failure> {
         self.scenes += 1;
-        let (scene, reply) = match json::read_scene(text) {
+        let scene = match &self.map {
+            Some(map) => map::read_scene(text, map),
+            None => json::read_scene(text),
+        };
+        let (scene, reply) = match scene {
             Ok(scene) => {
                 let reply = self.planner.reply(&scene, self.arguments.timeout)?;
                 (scene, reply)

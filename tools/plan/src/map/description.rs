@@ -1,0 +1,237 @@
+//! A map's YAML.
+
+use std::path::{Path, PathBuf};
+
+use saphyr::{LoadableYamlNode, Yaml};
+
+use super::MapError;
+
+/// What a map's YAML says. Fields that the map server does not know are none of our
+/// business either: other tools keep theirs in the same file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Description {
+    /// The picture, relative to the YAML's folder already.
+    pub(super) image: PathBuf,
+    /// The side of a cell, metres.
+    pub(super) resolution: f64,
+    /// The lower left corner of the map, metres.
+    pub(super) origin: [f64; 2],
+    /// Whether bright means occupied.
+    pub(super) negate: bool,
+    /// Occupancies greater than this are occupied.
+    pub(super) occupied: f64,
+    /// Occupancies less than this are free.
+    pub(super) free: f64,
+    /// How shades are read.
+    pub(super) mode: Mode,
+}
+
+/// How shades are read; see the table at the top of [`super`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// Free, occupied, or unknown.
+    Trinary,
+    /// The same with shades between; transparent is unknown.
+    Scale,
+    /// The shade is the percentage.
+    Raw,
+}
+
+impl Description {
+    /// Reads the YAML that is in `path`.
+    pub(super) fn read(path: &Path, text: &str) -> Result<Self, MapError> {
+        let not_yaml = |cause| MapError::NotYaml { path: path.to_owned(), cause };
+        let documents = Yaml::load_from_str(text).map_err(|error| not_yaml(error.to_string()))?;
+        let fields = match documents.as_slice() {
+            [one] if one.is_mapping() => Fields { path, document: one },
+            [_] => return Err(not_yaml("not a list of fields with values".to_owned())),
+            _ => return Err(not_yaml(format!("{} documents instead of one", documents.len()))),
+        };
+        let image = fields.get("image")?;
+        let image = match image.as_str() {
+            Some(name) if !name.is_empty() => path.with_file_name(name),
+            _ => return Err(fields.wrong("image", "the name of a picture", image)),
+        };
+        let resolution =
+            fields.number("resolution", "a number of metres greater than 0", |value| {
+                value > 0.0 && value.is_finite()
+            })?;
+        let from_0_to_1 = |value| (0.0..=1.0).contains(&value);
+        let free = fields.number("free_thresh", "a number from 0 to 1", from_0_to_1)?;
+        let occupied = fields.number("occupied_thresh", "a number from 0 to 1", from_0_to_1)?;
+        if free > occupied {
+            return Err(MapError::Thresholds { path: path.to_owned(), free, occupied });
+        }
+        let origin = fields.origin()?;
+        let (negate, mode) = (fields.negate()?, fields.mode()?);
+        Ok(Self { image, resolution, origin, negate, occupied, free, mode })
+    }
+}
+
+struct Fields<'a> {
+    path: &'a Path,
+    document: &'a Yaml<'a>,
+}
+
+impl<'a> Fields<'a> {
+    fn get(&self, field: &'static str) -> Result<&'a Yaml<'a>, MapError> {
+        self.document
+            .as_mapping_get(field)
+            .ok_or_else(|| MapError::Missing { path: self.path.to_owned(), field })
+    }
+
+    fn wrong(&self, field: &'static str, expected: &'static str, has: &Yaml) -> MapError {
+        MapError::Field { path: self.path.to_owned(), field, expected, has: written(has) }
+    }
+
+    fn number(
+        &self,
+        field: &'static str,
+        expected: &'static str,
+        fits: impl Fn(f64) -> bool,
+    ) -> Result<f64, MapError> {
+        let value = self.get(field)?;
+        number(value)
+            .filter(|number| fits(*number))
+            .ok_or_else(|| self.wrong(field, expected, value))
+    }
+
+    fn origin(&self) -> Result<[f64; 2], MapError> {
+        let value = self.get("origin")?;
+        let numbers: Option<Vec<f64>> = value
+            .as_sequence()
+            .and_then(|list| list.iter().map(number).collect())
+            .filter(|list: &Vec<f64>| list.iter().all(|number| number.is_finite()));
+        match numbers.as_deref() {
+            Some(&[x, y, 0.0]) => Ok([x, y]),
+            Some(&[_, _, yaw]) => Err(MapError::Turned { path: self.path.to_owned(), yaw }),
+            _ => Err(self.wrong("origin", "three finite numbers, [x, y, yaw]", value)),
+        }
+    }
+
+    fn negate(&self) -> Result<bool, MapError> {
+        let value = self.get("negate")?;
+        match (value.as_integer(), value.as_bool()) {
+            (Some(0), _) | (_, Some(false)) => Ok(false),
+            (Some(1), _) | (_, Some(true)) => Ok(true),
+            _ => Err(self.wrong("negate", "0 or 1", value)),
+        }
+    }
+
+    fn mode(&self) -> Result<Mode, MapError> {
+        let Some(value) = self.document.as_mapping_get("mode") else { return Ok(Mode::Trinary) };
+        match value.as_str().map(str::to_ascii_lowercase).as_deref() {
+            Some("trinary") => Ok(Mode::Trinary),
+            Some("scale") => Ok(Mode::Scale),
+            Some("raw") => Ok(Mode::Raw),
+            _ => Err(self.wrong("mode", "trinary, scale or raw", value)),
+        }
+    }
+}
+
+fn number(value: &Yaml) -> Option<f64> {
+    value.as_floating_point().or_else(|| value.as_integer().map(|integer| integer as f64))
+}
+
+/// A value as messages show it.
+fn written(value: &Yaml) -> String {
+    if let Some(list) = value.as_sequence() {
+        return format!("[{}]", list.iter().map(written).collect::<Vec<_>>().join(", "));
+    }
+    if let Some(text) = value.as_str() {
+        return format!("{text:?}");
+    }
+    match (number(value), value.as_bool()) {
+        (Some(number), _) => number.to_string(),
+        (_, Some(flag)) => flag.to_string(),
+        _ if value.is_null() => "nothing".to_owned(),
+        _ => "a value of another kind".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OFFICE: &str = "image: office.pgm\nresolution: 0.05\norigin: [-1, 2.5, 0.0]\n\
+                          negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+
+    fn read(text: &str) -> Result<Description, MapError> {
+        Description::read(Path::new("maps/office.yaml"), text)
+    }
+
+    #[test]
+    fn fields_are_read_and_mode_may_be_left_out() {
+        let office = Description {
+            image: PathBuf::from("maps/office.pgm"),
+            resolution: 0.05,
+            origin: [-1.0, 2.5],
+            negate: false,
+            occupied: 0.65,
+            free: 0.196,
+            mode: Mode::Trinary,
+        };
+        assert_eq!(read(OFFICE).unwrap(), office);
+        let inverted = read(&OFFICE.replace("negate: 0", "negate: true\nmode: Scale")).unwrap();
+        assert_eq!(inverted, Description { negate: true, mode: Mode::Scale, ..office });
+    }
+
+    #[test]
+    fn fields_of_other_tools_are_passed_over() {
+        let more = format!("# saved by hand\n{OFFICE}elevation_image: up.pgm\n");
+        assert_eq!(read(&more).unwrap(), read(OFFICE).unwrap());
+    }
+
+    #[test]
+    fn an_absolute_picture_stays_where_it_is() {
+        let there = read(&OFFICE.replace("office.pgm", "/srv/office.pgm")).unwrap();
+        assert_eq!(there.image, Path::new("/srv/office.pgm"));
+    }
+
+    /// `from` in the YAML replaced by `to` is refused in these words.
+    #[track_caller]
+    fn check(from: &str, to: &str, message: &str) {
+        assert!(OFFICE.contains(from));
+        let error = read(&OFFICE.replace(from, to)).unwrap_err();
+        assert_eq!(error.to_string(), format!("maps/office.yaml: {message}"));
+    }
+
+    #[test]
+    fn errors_name_the_file_the_field_and_what_it_has() {
+        check("0.05", "-0.05", "resolution must be a number of metres greater than 0, not -0.05");
+        check("0.05", ".inf", "resolution must be a number of metres greater than 0, not inf");
+        check("0.05", "", "resolution must be a number of metres greater than 0, not nothing");
+        check("0.65", "1.5", "occupied_thresh must be a number from 0 to 1, not 1.5");
+        check("0.196", ".nan", "free_thresh must be a number from 0 to 1, not NaN");
+        check("0.196", "low", "free_thresh must be a number from 0 to 1, not \"low\"");
+        check("0.196", "0.7", "free_thresh is 0.7, greater than occupied_thresh, 0.65");
+        check(", 0.0]", "]", "origin must be three finite numbers, [x, y, yaw], not [-1, 2.5]");
+        check(
+            ", 0.0]",
+            ", .nan]",
+            "origin must be three finite numbers, [x, y, yaw], not [-1, 2.5, NaN]",
+        );
+        check("negate: 0", "negate: 3", "negate must be 0 or 1, not 3");
+        check(
+            "negate: 0",
+            "negate: 0\nmode: gray",
+            "mode must be trinary, scale or raw, not \"gray\"",
+        );
+        check("office.pgm", "''", "image must be the name of a picture, not \"\"");
+        check("negate: 0\n", "", "negate is missing");
+        check(
+            ", 0.0]",
+            ", 1.57]",
+            "origin: the map is turned by a yaw of 1.57 rad; the sides of free space are parallel \
+             to the axes, so the yaw must be 0",
+        );
+    }
+
+    #[test]
+    fn what_is_no_map_is_refused() {
+        for text in ["", "image: a\n---\nimage: b\n", "- 1\n", "just words", "image: [", "a: *b"] {
+            let error = read(text).unwrap_err();
+            assert!(matches!(error, MapError::NotYaml { .. }), "{text:?}: {error}");
+        }
+    }
+}
