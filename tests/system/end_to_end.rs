@@ -1,11 +1,11 @@
 //! From scenes to trajectories to a recording to its replay.
 
-use integration_tests::{Ended, LONG, TestDomain, scene, scene_files};
+use integration_tests::{Ended, LONG, OFFICE, TestDomain, root, scene, scene_files};
 use recording::Message;
 use schemas::json;
 use schemas::message::{
-    ClearanceWish, Curve, ErrorCode, Gap, Leg, Refusal, Reply, RequestContent, SceneRequest,
-    Trajectory, Vector,
+    AxisBox, ClearanceWish, Curve, Direction, ErrorCode, Gap, Leg, Refusal, Reply, RequestContent,
+    SceneRequest, Trajectory, Vector,
 };
 
 use crate::read::recording;
@@ -80,6 +80,80 @@ fn every_scene_is_planned_recorded_and_replayed() {
     let replies = recording.replies();
     let printed: String = replies.iter().map(|reply| json::reply_to_json(reply) + "\n").collect();
     assert!(printed == planned.stdout, "the recorded replies are those printed");
+}
+
+#[test]
+fn solids_have_the_papers_channels_and_paths() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    let given = trajectories(client.call(&scene("disassemble.json"), LONG).unwrap());
+    let made = trajectories(client.call(&scene("disassemble-solids.json"), LONG).unwrap());
+    // C1, C2 and C3 of section 4, travelled from the last to the first.
+    let boxes = [([1.0, 2.0], [5.0, 7.0]), ([1.0, 2.0], [7.0, 6.0]), ([4.0, 1.0], [7.0, 6.0])];
+    let channels = boxes.map(|(min, max)| AxisBox { min: min.into(), max: max.into() });
+    for (made, given) in made.into_iter().zip(given) {
+        assert_eq!(made.channels, channels);
+        assert_eq!(made.route, [2, 1, 0]);
+        assert_eq!(made.exit, Some(Direction::PlusZ), "there is no mouth on the sides");
+        assert_eq!((made.legs, made.samples), (given.legs, given.samples));
+        assert_eq!(made.clearance, given.clearance);
+    }
+}
+
+#[test]
+fn channels_in_any_order_are_travelled_as_in_order() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    for name in ["disassemble-channels.json", "drive-a.json"] {
+        let mut scene = scene(name);
+        let in_order = trajectories(client.call(&scene, LONG).unwrap());
+        scene.free_space.in_order = false;
+        let channels = scene.free_space.channels.as_mut().unwrap();
+        let count = channels.len() as u64;
+        channels.reverse();
+        let routed = trajectories(client.call(&scene, LONG).unwrap());
+        assert_eq!(routed.len(), in_order.len());
+        for (routed, in_order) in routed.into_iter().zip(in_order) {
+            let reversed: Vec<_> = (0..count).rev().collect();
+            assert_eq!(routed, Trajectory { route: reversed, ..in_order });
+        }
+    }
+}
+
+#[test]
+fn a_floor_plan_is_planned_through() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let scenes = root().join("recordings/scenes");
+    let (map, office) = (scenes.join("office.yaml"), scenes.join(OFFICE));
+    let arguments = ["--format", "json", "--map", map.to_str().unwrap(), office.to_str().unwrap()];
+    let planned = test.plan(&arguments);
+    assert_eq!((planned.code, planned.stderr.as_str()), (Some(0), ""));
+    assert_eq!(planned, test.run("plan", &[&["--local"], &arguments[..]].concat()));
+    let reply: serde_json::Value = serde_json::from_str(&planned.stdout).unwrap();
+    let answers = reply["trajectories"].as_array().unwrap();
+    assert_eq!(answers.len(), 3);
+    for answer in answers {
+        assert_eq!(answer["route"].as_array().unwrap().len(), 3);
+        assert!(answer["clearance"]["value"].as_f64().unwrap() > 0.19);
+    }
+}
+
+#[test]
+fn what_would_open_a_way_is_said() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    let mut scene = scene("disassemble-channels.json");
+    scene.free_space.in_order = false;
+    // The middle channel ends 2.4 m above the others' floor: less than the part is high.
+    scene.free_space.channels.as_mut().unwrap()[1].max = [7.0, 4.4].into();
+    let refusal = client.call(&scene, LONG).unwrap().answers.unwrap_err();
+    assert_eq!(refusal.code, ErrorCode::NoRoute);
+    assert_eq!((refusal.axis, refusal.needs), (Some(2), Some(2.99)));
+    check_number("the junction's height", refusal.has.unwrap(), 2.4);
 }
 
 #[test]
