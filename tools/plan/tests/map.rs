@@ -191,7 +191,7 @@ fn the_map_is_the_free_space_of_every_scene() {
 fn without_a_map_the_free_space_is_missed() {
     let replies = replies(&mut plan(&["drive-office.json"]));
     let message = replies[0]["error"]["message"].as_str().unwrap();
-    assert!(message.contains("missing field `free_space`"), "{message}");
+    assert!(message.contains("free_space is missing"), "{message}");
 }
 
 #[test]

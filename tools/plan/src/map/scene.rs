@@ -85,7 +85,7 @@ mod tests {
         }
         let text = SCENE.replace("\"body\"", "\"bodies\"");
         let message = json::read_scene(&text).unwrap_err().refusal.message;
-        assert!(message.contains("line 2"), "{message}");
+        assert!(message.contains("bodies is not a known field"), "{message}");
         check(&text, Some(3), "bodies", &message);
     }
 }
