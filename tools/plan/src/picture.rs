@@ -211,7 +211,7 @@ impl Views<'_> {
     }
 }
 
-/// Where the channels open, if they do (INTERFACE: `exit`).
+/// Where the channels open, if they do (docs/interface.md: `exit`).
 fn mouth(
     scene: &SceneRequest,
     world: &World,

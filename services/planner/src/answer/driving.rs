@@ -95,7 +95,7 @@ impl Driving {
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
         let footprint = &terms.footprint;
-        // What the robot needs to turn (METHOD 6.4: R(g) < W), and its guiding circle (5.1).
+        // What the robot needs to turn (docs/method.md 6.4: R(g) < W), and its guiding circle (5.1).
         let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));
         let radius = footprint.width() / 2.0 + gap.unwrap_or(0.0);
         let traveller =

@@ -52,7 +52,7 @@ fn rules<const D: usize>(path: &Path<D>) -> Vec<Option<(u8, u8)>> {
     path.legs().iter().map(|leg| leg.rule.map(|rule| (rule.table, rule.number))).collect()
 }
 
-/// Way-points of m1 and the total length, from METHOD 4.
+/// Way-points of m1 and the total length, from docs/method.md 4.
 #[track_caller]
 fn check_section_4(gap: Gap<'_, 2>, m1: [[f64; 2]; 4], length: f64) {
     let (_, path) = plan(&section_4(), gap).expect("a path");

@@ -262,7 +262,7 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
     } else {
         let speed = square(limits.speed());
         let most = match *curve {
-            // v <= omega rho and v^2 / rho <= a (METHOD 8).
+            // v <= omega rho and v^2 / rho <= a (docs/method.md 8).
             Curve::Arc { radius, .. } => speed
                 .min(square(limits.yaw_rate() * radius))
                 .min(limits.lateral_acceleration() * radius),

@@ -86,7 +86,7 @@ fn what_stands_still_is_drawn_once() {
 
 #[test]
 fn the_path_is_that_of_the_first_vertex_to_scale() {
-    // METHOD section 4, gap 0.2.
+    // docs/method.md 4, gap 0.2.
     let way_points = [[4.5, 1.01], [4.2, 2.2], [2.31, 2.81], [2.31, 7.0]];
     let (scene, reply) = planned(DISASSEMBLE);
     let picture = sound(&scene, &reply);

@@ -262,7 +262,7 @@ fn wall_through_the_body_is_contact_from_the_start() {
 
 #[test]
 fn turn_in_place_is_closest_at_the_diagonal() {
-    // r_b = sqrt(w^2 + h^2) / 2 where tan(beta) = h / w (METHOD 5.3).
+    // r_b = sqrt(w^2 + h^2) / 2 where tan(beta) = h / w (docs/method.md 5.3).
     let curve = Curve::Turn { position: point(0.0, 0.0), from_heading: 0.0, sweep: FRAC_PI_2 };
     let met = check_curve(&robot(), &curve, &walls(&[[-5.0, 2.0, 5.0, 2.0]]));
     assert!((met.value - (2.0 - libm::hypot(0.5, 0.75))).abs() < 1e-15);
@@ -291,7 +291,7 @@ fn corner_of_the_guiding_circle_is_the_gap_away_all_along() {
 
 #[test]
 fn outer_wall_is_approached_on_the_outer_circle() {
-    // W - R(gap) (METHOD 6.2).
+    // W - R(gap) (docs/method.md 6.2).
     let curve =
         Curve::Arc { center: point(0.0, 0.0), radius: 1.5, start_angle: PI, sweep: -FRAC_PI_2 };
     let met = check_curve(&robot(), &curve, &walls(&[[-3.0, -9.0, -3.0, 3.0]]));

@@ -80,7 +80,7 @@ fn leg<const D: usize>(from: [f64; D], to: [f64; D]) -> Leg<D> {
     Leg { curve, junction: None, rule: None }
 }
 
-/// Section 4's clearances per leg, from METHOD 4, measured in four ways.
+/// Section 4's clearances per leg, from docs/method.md 4, measured in four ways.
 #[track_caller]
 fn check_section_4(gap: Gap<'_, 2>, known: [f64; 3]) {
     let scene = section_4();

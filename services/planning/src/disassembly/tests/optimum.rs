@@ -1,4 +1,4 @@
-//! The shortest path through the shrunk junctions (METHOD 3) as an independent
+//! The shortest path through the shrunk junctions (docs/method.md 3) as an independent
 //! measure of the rules: a convex problem, solved one way-point at a time.
 
 use super::*;

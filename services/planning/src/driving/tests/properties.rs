@@ -54,7 +54,7 @@ proptest! {
         let mut path = Path::default();
         drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
         check_path(&scene, &path);
-        // METHOD 6.3: with g up to g* nothing comes closer than the corners; only
+        // docs/method.md 6.3: with g up to g* nothing comes closer than the corners; only
         // where start or goal are nearer to the inner wall than the guiding circle
         // the angle is negative, and the body's inner corner comes closer.
         let rho = scene.footprint.width() / 2.0 + gap;
@@ -94,7 +94,7 @@ proptest! {
         prop_assert_eq!((before.clearance(), before.turning()), (path.clearance(), path.turning()));
     }
 
-    /// METHOD 6.2: the closed forms of a single turn, where its angles are small.
+    /// docs/method.md 6.2: the closed forms of a single turn, where its angles are small.
     #[test]
     fn single_turn_obeys_the_closed_forms(
         robot in (0.4..1.2, 0.4..2.0, 0.3..2.5),

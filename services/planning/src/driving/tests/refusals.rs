@@ -82,7 +82,7 @@ fn gap_that_touches_the_outer_wall_is_rejected_with_the_greatest() {
     let DrivingError::GapOutOfRange { corner, most, .. } = refused(&corridor_a(), 1.92) else {
         panic!();
     };
-    // sqrt(W^2 - h^2 / 4) - w for 3 m (METHOD 6.4).
+    // sqrt(W^2 - h^2 / 4) - w for 3 m (docs/method.md 6.4).
     assert_eq!(corner, 0);
     assert!((most - 1.904737509655563).abs() < 1e-12);
     accepted(&corridor_a(), most - 1e-9);

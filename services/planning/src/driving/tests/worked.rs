@@ -118,7 +118,7 @@ fn rules_of_the_worked_corridors() {
 #[test]
 fn clearance_is_met_first_where_the_front_passes_the_corner() {
     // The gap is left from half a length before the first arriving point on
-    // (METHOD 6.1), and equally at every corner after.
+    // (docs/method.md 6.1), and equally at every corner after.
     let scene = corridor_a();
     let mut path = Path::default();
     drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();

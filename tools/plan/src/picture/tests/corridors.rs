@@ -253,7 +253,7 @@ fn trajectory<const N: usize>(
     legs.push(line(at, goal));
 
     // At the first corner: the corner itself, or with a large gap the outer wall x = 0, which
-    // the robot's outer corner passes when it is level with it (METHOD 6.2).
+    // the robot's outer corner passes when it is level with it (docs/method.md 6.2).
     let (before, corner) = (legs[1].length, corners[0].1);
     let outer = libm::hypot(1.0 + gap, 0.75);
     let clearance = if *gap <= corner[0] - outer {
