@@ -156,6 +156,7 @@ impl Bare {
         let mut config = Config::default();
         config.global.prefix = FileName::new(format!("bare_{name}_").as_bytes()).expect("a name");
         let node = NodeBuilder::new().config(&config).create::<ipc::Service>().expect("a node");
+        let options = ServerOptions::default();
         let service = node
             .service_builder(&"bare".try_into().expect("a name"))
             .request_response::<[u64], [u64]>()
@@ -164,8 +165,9 @@ impl Bare {
             .enable_safe_overflow_for_requests(false)
             .enable_safe_overflow_for_responses(false)
             .max_servers(1)
-            .max_clients(2)
-            .max_active_requests_per_client(2)
+            // As the planner's: every look at a port looks at each of its places.
+            .max_clients(options.max_clients)
+            .max_active_requests_per_client(options.requests_per_client)
             .max_response_buffer_size(8)
             .open_or_create()
             .expect("a service of its own");

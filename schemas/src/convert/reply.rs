@@ -22,11 +22,30 @@ pub trait PartSink {
     ) -> Result<(), Self::Error>;
 }
 
+/// The states of a motion, which are computed where they will be read.
+pub trait Samples {
+    /// How many are left.
+    fn left(&self) -> usize;
+
+    /// Writes the next `count` of them.
+    fn write(&mut self, count: usize, writer: &mut CellWriter);
+}
+
+impl<I: ExactSizeIterator<Item = wire::Sample>> Samples for I {
+    fn left(&self) -> usize {
+        self.len()
+    }
+
+    fn write(&mut self, count: usize, writer: &mut CellWriter) {
+        self.take(count).for_each(|sample| writer.push_pod(&sample));
+    }
+}
+
 /// Writes a trajectory as parts, straight into the sink's memory.
 ///
-/// The lists are iterators, so that samples are computed where they will be read.
+/// The other lists are iterators.
 #[derive(Debug)]
-pub struct TrajectoryWriter<Gaps, Route, Channels, Legs, Samples> {
+pub struct TrajectoryWriter<Gaps, Route, Channels, Legs, States> {
     /// The gaps used, junction by junction; metres.
     pub gaps: Gaps,
     /// Indices of the channels travelled.
@@ -36,16 +55,16 @@ pub struct TrajectoryWriter<Gaps, Route, Channels, Legs, Samples> {
     /// The pieces of the path.
     pub legs: Legs,
     /// The states of the motion.
-    pub samples: Samples,
+    pub samples: States,
 }
 
-impl<Gaps, Route, Channels, Legs, Samples> TrajectoryWriter<Gaps, Route, Channels, Legs, Samples>
+impl<Gaps, Route, Channels, Legs, States> TrajectoryWriter<Gaps, Route, Channels, Legs, States>
 where
     Gaps: ExactSizeIterator<Item = f64>,
     Route: ExactSizeIterator<Item = u64>,
     Channels: ExactSizeIterator<Item = AxisBox>,
     Legs: ExactSizeIterator<Item = wire::Leg>,
-    Samples: ExactSizeIterator<Item = wire::Sample>,
+    States: Samples,
 {
     /// Writes all parts. `header` comes with the fields that all parts share;
     /// `header.part` counts on; `final_answer` says whether the reply ends here.
@@ -58,7 +77,6 @@ where
         let channel_cells = 2 * header.dimension as usize;
         header.kind = 0;
         header.refusal = 0;
-        let mut samples = Some(self.samples);
         loop {
             let mut room = PART_CELLS;
             // A list is begun only when the lists before it are complete.
@@ -71,9 +89,8 @@ where
             header.route = take(self.route.len(), 1);
             header.channels = take(self.channels.len(), channel_cells);
             header.legs = take(self.legs.len(), LEG_CELLS);
-            let samples_left = samples.as_ref().map_or(0, Samples::len);
-            header.samples = take(samples_left, SAMPLE_CELLS);
-            let complete = header.samples as usize == samples_left
+            header.samples = take(self.samples.left(), SAMPLE_CELLS);
+            let complete = header.samples as usize == self.samples.left()
                 && header.legs as usize == self.legs.len()
                 && header.channels as usize == self.channels.len()
                 && header.route as usize == self.route.len()
@@ -94,15 +111,7 @@ where
                     }
                 }
                 self.legs.by_ref().take(head.legs as usize).for_each(|leg| writer.push_pod(&leg));
-                // All that is left is iterated from inside, which is several times faster.
-                if complete {
-                    samples.take().into_iter().for_each(|all| {
-                        all.for_each(|sample| writer.push_pod(&sample));
-                    });
-                } else if let Some(samples) = &mut samples {
-                    let some = samples.by_ref().take(head.samples as usize);
-                    some.for_each(|sample| writer.push_pod(&sample));
-                }
+                self.samples.write(head.samples as usize, writer);
             })?;
             header.part += 1;
             if complete {

@@ -358,7 +358,7 @@ impl<const D: usize> Assembly<D> {
             route: free_space.route(),
             channels: free_space.named(),
             legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
-            samples: samples.map(|state| parts::sample(&state)),
+            samples: parts::States(samples),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = D as u32;

@@ -190,7 +190,7 @@ impl Driving {
             route: free_space.route(),
             channels: free_space.named(),
             legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
-            samples: samples.map(|state| parts::sample(&state)),
+            samples: parts::States(samples),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = 2;

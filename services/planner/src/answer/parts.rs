@@ -5,8 +5,8 @@ use std::convert::Infallible;
 use planning::clearance::Clearance;
 use planning::geometry::Vector;
 use planning::motion::{Curve, Leg, wrapped};
-use planning::trajectory::State;
-use schemas::convert::{self, CellWriter, PartSink, TrajectoryWriter};
+use planning::trajectory::{Sampler, State};
+use schemas::convert::{self, CellWriter, PartSink, Samples, TrajectoryWriter};
 use schemas::message::{AxisBox, Refusal, Reply, ReplyAssembler, RequestKey};
 use schemas::wire::{self, ReplyHeader};
 
@@ -48,7 +48,7 @@ impl<'a, S: PartSink> Parts<'a, S> {
             impl ExactSizeIterator<Item = u64>,
             impl ExactSizeIterator<Item = AxisBox>,
             impl ExactSizeIterator<Item = wire::Leg>,
-            impl ExactSizeIterator<Item = wire::Sample>,
+            impl Samples,
         >,
         last: bool,
     ) -> Result<(), S::Error> {
@@ -90,9 +90,22 @@ pub(super) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
     cells
 }
 
+/// The states of a motion, written from within: several times faster than one by one.
+pub(super) struct States<'a, const D: usize>(pub(super) Sampler<'a, D>);
+
+impl<const D: usize> Samples for States<'_, D> {
+    fn left(&self) -> usize {
+        self.0.len()
+    }
+
+    fn write(&mut self, count: usize, writer: &mut CellWriter) {
+        self.0.for_next(count, |state| writer.push_pod(&sample(&state)));
+    }
+}
+
 /// A state of the motion as it lies in memory.
 #[inline]
-pub(super) fn sample<const D: usize>(state: &State<D>) -> wire::Sample {
+fn sample<const D: usize>(state: &State<D>) -> wire::Sample {
     wire::Sample {
         t: state.time,
         position: padded(&state.position),

@@ -117,10 +117,11 @@ impl<'a, const D: usize> Sampler<'a, D> {
         Some(track.state(time, along, speed))
     }
 
-    /// Folds the states that are left of the current law, each made by `place`.
+    /// Folds the states of the current law up to the multiple `end`, each made by `place`.
     #[inline]
     fn run<const BY_TIME: bool, B>(
         &mut self,
+        end: f64,
         init: B,
         f: &mut impl FnMut(B, State<D>) -> B,
         place: impl Fn(&mut Track<D>, f64, f64, f64) -> State<D>,
@@ -128,7 +129,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let mut all = init;
         if let Some(track) = &mut self.track {
             // Held apart from `self`, and so in registers.
-            let (law, step, end) = (self.law, self.step, self.end);
+            let (law, step) = (self.law, self.step);
             let (mut near, mut multiple) = (track.clone(), self.multiple);
             while multiple < end {
                 let (time, along, speed) = law.motion::<BY_TIME>(multiple * step);
@@ -137,6 +138,42 @@ impl<'a, const D: usize> Sampler<'a, D> {
             }
             self.multiple = multiple;
             *track = near;
+        }
+        all
+    }
+
+    /// Calls `take` with the next `count` states, or with those that are left. As by
+    /// [`Iterator::next`], a few times faster.
+    #[inline]
+    pub fn for_next(&mut self, count: usize, mut take: impl FnMut(State<D>)) {
+        self.fold_next(count as f64, (), |(), state| take(state));
+    }
+
+    /// Folds the next `left` states: those of a law in one loop.
+    #[inline]
+    fn fold_next<B>(&mut self, mut left: f64, init: B, mut f: impl FnMut(B, State<D>) -> B) -> B {
+        let mut all = init;
+        while left > 0.0 {
+            if self.multiple < self.end {
+                let end = self.end.min(self.multiple + left);
+                left -= end - self.multiple;
+                // A loop for each shape, so that nothing is decided state by state.
+                let shape = self.track.as_ref().map_or(Shape::Line, Track::shape);
+                let f = &mut f;
+                all = match (shape, self.grid.by_time) {
+                    (Shape::Line, true) => self.run::<true, B>(end, all, f, Track::on_line),
+                    (Shape::Line, false) => self.run::<false, B>(end, all, f, Track::on_line),
+                    (Shape::Bend, true) => self.run::<true, B>(end, all, f, Track::on_bend),
+                    (Shape::Bend, false) => self.run::<false, B>(end, all, f, Track::on_bend),
+                    (Shape::Arc, true) => self.run::<true, B>(end, all, f, Track::on_arc),
+                    (Shape::Arc, false) => self.run::<false, B>(end, all, f, Track::on_arc),
+                };
+            } else if let Some(state) = self.advance() {
+                left -= 1.0;
+                all = f(all, state);
+            } else {
+                break;
+            }
         }
         all
     }
@@ -271,26 +308,8 @@ impl<const D: usize> Iterator for Sampler<'_, D> {
 
     /// As by [`Iterator::next`], a few times faster: a law's states in one loop.
     #[inline]
-    fn fold<B, F: FnMut(B, State<D>) -> B>(mut self, init: B, mut f: F) -> B {
-        let mut all = init;
-        loop {
-            if self.multiple < self.end {
-                // A loop for each shape, so that nothing is decided state by state.
-                let shape = self.track.as_ref().map_or(Shape::Line, Track::shape);
-                all = match (shape, self.grid.by_time) {
-                    (Shape::Line, true) => self.run::<true, B>(all, &mut f, Track::on_line),
-                    (Shape::Line, false) => self.run::<false, B>(all, &mut f, Track::on_line),
-                    (Shape::Bend, true) => self.run::<true, B>(all, &mut f, Track::on_bend),
-                    (Shape::Bend, false) => self.run::<false, B>(all, &mut f, Track::on_bend),
-                    (Shape::Arc, true) => self.run::<true, B>(all, &mut f, Track::on_arc),
-                    (Shape::Arc, false) => self.run::<false, B>(all, &mut f, Track::on_arc),
-                };
-            }
-            match self.advance() {
-                Some(state) => all = f(all, state),
-                None => return all,
-            }
-        }
+    fn fold<B, F: FnMut(B, State<D>) -> B>(mut self, init: B, f: F) -> B {
+        self.fold_next(f64::INFINITY, init, f)
     }
 }
 
