@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod command_line;
+mod demo;
 mod end_to_end;
 mod golden;
 mod planner;
