@@ -191,30 +191,34 @@ impl Session<'_> {
         let (scene, reply) = match scene {
             Ok(scene) => {
                 let reply = self.planner.reply(&scene, self.arguments.timeout)?;
-                (scene, reply)
+                (Some(scene), reply)
             }
-            Err(unreadable) => {
-                (SceneRequest::empty(), refusal_to(unreadable.id, unreadable.refusal))
-            }
+            Err(unreadable) => (None, refusal_to(unreadable.id, unreadable.refusal)),
         };
         if !reply.answers.iter().flatten().any(Result::is_ok) {
             self.refused += 1;
         }
-        match self.arguments.format {
-            Format::Text => output::write_text(&mut self.out, name, &scene, &reply)?,
-            Format::Csv => output::write_csv(&mut self.out, self.scenes, &scene, &reply)?,
-            Format::Json => {
+        match (self.arguments.format, &scene) {
+            (Format::Text, scene) => {
+                output::write_text(&mut self.out, name, scene.as_ref(), &reply)?;
+            }
+            (Format::Csv, scene) => {
+                if let Some(scene) = scene {
+                    output::write_csv(&mut self.out, self.scenes, scene, &reply)?;
+                }
+                // Rows have no room for a refusal.
+                for refusal in refusals(&reply) {
+                    eprintln!("plan: {name}: {}", output::refused(refusal));
+                }
+            }
+            (Format::Json, _) => {
                 json::write_reply(&reply, &mut self.out)?;
                 writeln!(self.out)?;
             }
         }
-        if self.arguments.format == Format::Csv {
-            // Rows have no room for a refusal.
-            for refusal in refusals(&reply) {
-                eprintln!("plan: {name}: {}", output::refused(refusal));
-            }
+        if let Some(scene) = &scene {
+            self.draw(scene, &reply)?;
         }
-        self.draw(&scene, &reply)?;
         // Whoever sends line by line wants the answers so.
         Ok(self.out.flush()?)
     }

@@ -8,20 +8,26 @@ use schemas::message::{
 };
 
 /// Writes a reply as tables: one row per answer, and where there is one answer its
-/// legs.
+/// legs. There is no scene where it could not be read.
 pub fn write_text(
     out: &mut impl Write,
     name: &str,
-    scene: &SceneRequest,
+    scene: Option<&SceneRequest>,
     reply: &Reply,
 ) -> io::Result<()> {
     let id = reply.id.map_or(String::new(), |id| format!(" (id {id})"));
-    let task = format!("{:?}", scene.task).to_lowercase();
+    let task = scene.map_or(String::new(), |scene| format!("{:?}: ", scene.task).to_lowercase());
     match &reply.answers {
-        Err(refusal) => writeln!(out, "{name}{id}: {task}: {}\n", refused(refusal)),
+        Err(refusal) => writeln!(out, "{name}{id}: {task}{}\n", refused(refusal)),
         Ok(answers) => {
-            writeln!(out, "{name}{id}: {task}")?;
+            writeln!(out, "{name}{id}: {}", task.trim_end_matches(": "))?;
             writeln!(out, "{}", answers_table(answers))?;
+            // Under the table: their words would widen its columns.
+            for (index, answer) in answers.iter().enumerate() {
+                if let Err(refusal) = answer {
+                    writeln!(out, "  answer {}: {}", index + 1, refused(refusal))?;
+                }
+            }
             if let [Ok(trajectory)] = answers.as_slice() {
                 writeln!(out, "{}", legs_table(&trajectory.legs))?;
             }
@@ -73,7 +79,7 @@ fn answers_table(answers: &[Answer]) -> Table {
                 trajectory.legs.len().to_string(),
                 trajectory.samples.len().to_string(),
             ]),
-            Err(refusal) => table.add_row([refused(refusal)]),
+            Err(_) => table.add_row(["refused", "-", "-", "-", "-", "-", "-"]),
         };
     }
     table
