@@ -127,6 +127,11 @@ fn remove_last_file(name: &str) {
             std::fs::remove_file(entry.path()).expect("the file is ours");
         }
     }
+    let global = Config::default().global;
+    for directory in [global.node_dir(), global.service_dir()] {
+        // If it is not empty, somebody else is there.
+        let _ = std::fs::remove_dir(directory.to_string());
+    }
 }
 
 fn bare_prefix(name: &str) -> String {
