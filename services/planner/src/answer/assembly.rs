@@ -96,7 +96,9 @@ impl Assembly<3> {
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
         self.free_space.read(scene, &SPACE)?;
-        self.walls.clear();
+        if check::has_solids(scene) {
+            self.walls.clear();
+        }
         for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
             match solid {
                 Solid::Box(sides) => {

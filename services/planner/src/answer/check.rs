@@ -94,9 +94,12 @@ pub(super) fn push_solids(
     free_space: &mut FreeSpace<2>,
     size: &[f64],
 ) -> Result<(), Refusal> {
-    walls.clear();
     let slant = free_space.slant(size);
     let solids = scene.free_space.solids.as_deref().unwrap_or_default();
+    // Without solids the walls may still be those of the same channels.
+    if !solids.is_empty() {
+        walls.clear();
+    }
     for (index, solid) in solids.iter().enumerate() {
         match solid {
             Solid::Box(sides) => {
@@ -157,9 +160,10 @@ pub(super) fn finite(field: &str, values: &[f64]) -> Result<(), Refusal> {
     }
 }
 
-/// A point of the scene's dimension.
+/// A point of the scene's dimension. No coordinate is a negative zero, so that what is equal
+/// has equal bits: what is kept from one request to the next is compared.
 pub(super) fn vector<const D: usize>(point: &message::Vector) -> Vector<D> {
-    Vector::from_iterator(point.padded().into_iter().take(D))
+    Vector::from_iterator(point.padded().into_iter().take(D).map(|value| value + 0.0))
 }
 
 /// A box with an interior.

@@ -60,11 +60,13 @@ impl<const D: usize> Walls<D> {
         self.walls.clear();
         self.solids.clear();
         self.tree.clear();
+        self.complement.holds = false;
     }
 
     /// Adds a wall.
     pub fn push(&mut self, wall: Wall<D>) {
         self.tree.clear();
+        self.complement.holds = false;
         self.walls.push(wall);
     }
 

@@ -49,6 +49,23 @@ fn section_4_has_the_cavity_of_the_female_part() {
 }
 
 #[test]
+fn walls_are_always_those_asked_for_last() {
+    let first = [space([0., 0.], [2., 9.]), space([1., 5.], [3., 6.])];
+    let second = [space([0., 0.], [2., 9.]), space([1., 5.], [4., 6.])];
+    let mouth = below(9.0, 1);
+    let mut walls = Walls::default();
+    let asked =
+        [(&first, mouth), (&first, mouth), (&first, None), (&second, None), (&first, mouth)];
+    for (channels, mouth) in asked {
+        walls.set_complement(channels, mouth);
+        assert_eq!(walls.as_slice(), complement(channels, mouth).as_slice());
+    }
+    walls.push_box(&space([5., 5.], [6., 6.]));
+    walls.set_complement(&first, mouth);
+    assert_eq!(walls.as_slice(), complement(&first, mouth).as_slice());
+}
+
+#[test]
 fn wall_is_merged_over_channels() {
     let channels = [space([0., 0.], [2., 1.]), space([0., 1.], [2., 3.])];
     let expected = [[0., 0., 0., 3.], [2., 0., 2., 3.], [0., 0., 2., 0.], [0., 3., 2., 3.]];
