@@ -7,6 +7,7 @@ mod free_space;
 mod parts;
 mod refuse;
 
+use planning::trajectory::{Profile, Sampling};
 use schemas::convert::{self, PartSink};
 use schemas::message::{
     Choice, ClearanceWish, Gap, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest,
@@ -191,6 +192,16 @@ impl<'a> Wishes<'a> {
 
     fn sampled(&self) -> bool {
         !matches!(self.clearance, ClearanceWish::Curve(_))
+    }
+
+    /// Refuses a trajectory that would have too many samples, before any is made.
+    fn check_samples(&self, profile: &Profile, sampling: Sampling) -> Result<(), Refused> {
+        match profile.sample_count(sampling) {
+            samples if self.sampled() && samples > MOST_SAMPLES => {
+                Err(refuse::too_many_samples(samples).into())
+            }
+            _ => Ok(()),
+        }
     }
 
     fn get(&self, index: u32) -> Wish<'a> {

@@ -18,7 +18,7 @@ use schemas::wire::ReplyHeader;
 use super::free_space::FreeSpace;
 use super::parts::{self, Parts};
 use super::refuse::{self, Axes, PLANE, SPACE};
-use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
+use super::{Refused, Wish, Wishes, answer_each, check};
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
@@ -28,9 +28,8 @@ pub(super) struct Assembly<const D: usize> {
     free_space: FreeSpace<D>,
     chain: Chain<D>,
     walls: Walls<D>,
-    /// The exit at hand, and whether the walls are made for it.
+    /// The exit at hand.
     exit: Option<Direction>,
-    walled: bool,
     exits: Vec<Direction>,
     gaps: Vec<Vector<D>>,
     path: Path<D>,
@@ -184,22 +183,20 @@ impl<const D: usize> Assembly<D> {
             check::mouth(&terms.axes, free_space.channels(), &cavity, exit)?;
         }
         self.exit = Some(exit);
-        self.walled = check::has_solids(terms.scene);
-        if self.walled {
+        if check::has_solids(terms.scene) {
             self.walls.index();
         }
         if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit) }
     }
 
     /// Makes the chain of the channels travelled, and the walls where they are the
-    /// channels' complement and not made yet.
+    /// channels' complement.
     fn build_chain(&mut self, terms: &Terms<D>, exit: Direction) -> Result<(), Refusal> {
         self.chain
             .build(self.free_space.travelled(), &terms.body.bounds().center(), End::Exit(exit))
             .map_err(|error| refuse::chain(&terms.axes, error))?;
-        if !self.walled {
+        if !check::has_solids(terms.scene) {
             self.walls.set_complement(self.free_space.channels(), self.chain.mouth());
-            self.walled = true;
         }
         Ok(())
     }
@@ -230,12 +227,7 @@ impl<const D: usize> Assembly<D> {
             }
         }
         self.profile.plan(self.path.legs(), &terms.limits, Stops::EveryLeg);
-        if wishes.sampled() {
-            let samples = self.profile.sample_count(terms.sampling);
-            if samples > MOST_SAMPLES {
-                return Err(refuse::too_many_samples(samples).into());
-            }
-        }
+        wishes.check_samples(&self.profile, terms.sampling)?;
         Ok(exit)
     }
 
@@ -350,17 +342,12 @@ impl<const D: usize> Assembly<D> {
     ) -> Result<(), S::Error> {
         let Self { path, clearances, clearance, profile, free_space, .. } = self;
         let legs = path.legs();
-        let still = Profile::default();
-        let samples = match sampled {
-            true => profile.samples(legs, terms.sampling),
-            false => still.samples(&[], terms.sampling),
-        };
         let lists = TrajectoryWriter {
             gaps: (0..path.gaps().len() * D).map(|at| path.gaps()[at / D][at % D]),
             route: free_space.route(),
             channels: free_space.named(),
             legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
-            samples: parts::States(samples),
+            samples: parts::States(sampled.then(|| profile.samples(legs, terms.sampling))),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = D as u32;

@@ -16,7 +16,7 @@ use schemas::wire::ReplyHeader;
 use super::free_space::FreeSpace;
 use super::parts::{self, Parts};
 use super::refuse::{self, FLOOR};
-use super::{MOST_SAMPLES, Refused, Wish, Wishes, answer_each, check};
+use super::{Refused, Wish, Wishes, answer_each, check};
 
 /// Memory for driving tasks.
 #[derive(Debug, Default)]
@@ -162,13 +162,7 @@ impl Driving {
         }
         driving::drive(&task, Gaps::PerCorner(gaps), path).map_err(refused)?;
         profile.plan(path.legs(), &terms.limits, Stops::AtTurns);
-        if wishes.sampled() {
-            let samples = profile.sample_count(terms.sampling);
-            if samples > MOST_SAMPLES {
-                return Err(refuse::too_many_samples(samples).into());
-            }
-        }
-        Ok(())
+        wishes.check_samples(profile, terms.sampling)
     }
 
     fn send<S: PartSink>(
@@ -179,11 +173,7 @@ impl Driving {
         parts: &mut Parts<S>,
     ) -> Result<(), S::Error> {
         let Self { path, gaps, profile, free_space, .. } = self;
-        let still = Profile::default();
-        let samples = match sampled {
-            true => profile.samples(path.legs(), terms.sampling),
-            false => still.samples(&[], terms.sampling),
-        };
+        let samples = sampled.then(|| profile.samples(path.legs(), terms.sampling));
         let legs = path.legs().iter().zip(path.leg_clearances());
         let lists = TrajectoryWriter {
             gaps: gaps.iter().copied(),

@@ -90,16 +90,19 @@ pub(super) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
     cells
 }
 
-/// The states of a motion, written from within: several times faster than one by one.
-pub(super) struct States<'a, const D: usize>(pub(super) Sampler<'a, D>);
+/// The states of a motion, if any are wanted, written from within: several times faster
+/// than one by one.
+pub(super) struct States<'a, const D: usize>(pub(super) Option<Sampler<'a, D>>);
 
 impl<const D: usize> Samples for States<'_, D> {
     fn left(&self) -> usize {
-        self.0.len()
+        self.0.as_ref().map_or(0, Sampler::len)
     }
 
     fn write(&mut self, count: usize, writer: &mut CellWriter) {
-        self.0.for_next(count, |state| writer.push_pod(&sample(&state)));
+        if let Some(states) = &mut self.0 {
+            states.for_next(count, |state| writer.push_pod(&sample(&state)));
+        }
     }
 }
 
