@@ -6,7 +6,7 @@ use divan::{Bencher, black_box};
 use planning::disassembly::Gap;
 use planning::free_space::End;
 use planning::free_space::graph::Graph;
-use planning::free_space::route::{Router, Traveller};
+use planning::free_space::route::{Driving, Motion, Router, Translating};
 use planning::free_space::solids::{Caps, Solids};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
@@ -93,8 +93,8 @@ fn section_4(bencher: Bencher<'_, '_>) {
     let (mut graph, mut router) = (Graph::default(), Router::default());
     bencher.bench_local(|| {
         graph.build(black_box(&channels), 100).expect("a graph");
-        let traveller = Traveller::body(&male, Gap::Uniform(0.2)).expect("a traveller");
-        router.find(&graph, &traveller, End::Exit(UP), 1_000).expect("a route");
+        let body = Translating::new(&male, Gap::Uniform(0.2), End::Exit(UP));
+        router.find(&graph, &mut body.expect("a body"), 1_000).expect("a route");
         router.length()
     });
 }
@@ -109,28 +109,22 @@ fn graph(bencher: Bencher<'_, '_>, count: usize) {
 
 #[divan::bench(sample_count = 10, args = SIZES)]
 fn route_to_the_mouth(bencher: Bencher<'_, '_>, count: usize) {
-    let traveller = Traveller::body(&space([-0.5; 2], [0.5; 2]), Gap::Uniform(0.2));
-    route(bencher, &streets(count), &traveller.expect("a traveller"), |_| End::Exit(UP));
+    let body = Translating::new(&space([-0.5; 2], [0.5; 2]), Gap::Uniform(0.2), End::Exit(UP));
+    route(bencher, &streets(count), body.expect("a body"));
 }
 
 #[divan::bench(sample_count = 10, args = SIZES)]
 fn route_of_a_robot_to_the_far_corner(bencher: Bencher<'_, '_>, count: usize) {
-    let robot = Traveller::robot(Vector::zeros(), Vector::repeat(1.5), 0.7);
-    route(bencher, &streets(count), &robot, |channels| {
-        End::Goal(channels[channels.len() - 1].center())
-    });
+    let channels = streets(count);
+    let goal = channels[channels.len() - 1].center();
+    route(bencher, &channels, Driving::new(Vector::zeros(), goal, Vector::repeat(1.5), 0.7));
 }
 
-fn route(
-    bencher: Bencher<'_, '_>,
-    channels: &[AxisBox<2>],
-    traveller: &Traveller<2>,
-    end: impl Fn(&[AxisBox<2>]) -> End<2>,
-) {
+fn route(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>], mut motion: impl Motion<2>) {
     let (mut graph, mut router) = (Graph::default(), Router::default());
     graph.build(channels, usize::MAX).expect("a graph");
     bencher.counter(ItemsCount::new(channels.len())).bench_local(|| {
-        router.find(&graph, black_box(traveller), end(channels), usize::MAX).expect("a route");
+        router.find(&graph, black_box(&mut motion), usize::MAX).expect("a route");
         router.length()
     });
 }

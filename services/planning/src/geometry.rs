@@ -81,6 +81,11 @@ impl<const D: usize> AxisBox<D> {
         (0..D).all(|axis| min[axis] < max[axis]).then_some(Self { min, max })
     }
 
+    /// Whether `point` lies in this box, its sides included.
+    pub fn holds(&self, point: &Vector<D>) -> bool {
+        (0..D).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
+    }
+
     /// Whether `other` lies in this box, contact included.
     pub fn contains(&self, other: &Self) -> bool {
         (0..D).all(|axis| self.min[axis] <= other.min[axis] && other.max[axis] <= self.max[axis])

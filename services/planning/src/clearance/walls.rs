@@ -179,6 +179,15 @@ impl<const D: usize> Walls<D> {
 }
 
 impl Walls<2> {
+    /// Adds the sides of a box that is free inside.
+    pub fn push_inside(&mut self, bounds: &AxisBox<2>) {
+        let (min, max) = (bounds.min(), bounds.max());
+        let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));
+        for (from, to) in [(min, right), (right, max), (max, left), (left, min)] {
+            self.push(Wall { from, to });
+        }
+    }
+
     /// Adds the edges of a solid polygon.
     pub fn push_polygon(&mut self, solid: &Polygon) {
         let first = self.walls.len();

@@ -122,6 +122,8 @@ pub enum DrivingError {
         position.x, position.y, wall.x, wall.y
     )]
     TurnBlocked {
+        /// The leg that is this turn.
+        leg: usize,
         /// Where.
         position: Vector<2>,
         /// The heading wanted, in (-pi, pi].

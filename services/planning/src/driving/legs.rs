@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::tangent::Tangent;
 use super::taut::Knot;
 use super::{Drive, SAME_HEADING, StartTurn, shortest_turn};
-use crate::geometry::Vector;
+use crate::geometry::{Sign, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
 /// Lines up to this length are left out, metres: the arcs beside them touch.
@@ -54,8 +54,7 @@ pub(super) fn write(drive: &Drive<'_>, knots: &[Knot], last: &Tangent, legs: &mu
 fn arc(drive: &Drive<'_>, knot: &Knot, from: f64, to: f64) -> Leg<2> {
     let rule = drive.corners[knot.corner].rule;
     let sense = rule.turn.factor();
-    let forwards = sense * (to - from);
-    let sweep = if forwards < 0.0 { forwards + TAU } else { forwards };
+    let sweep = forwards(rule.turn, from, to);
     Leg {
         curve: Curve::Arc {
             center: knot.circle.center,
@@ -67,6 +66,13 @@ fn arc(drive: &Drive<'_>, knot: &Knot, from: f64, to: f64) -> Leg<2> {
         junction: Some(knot.corner),
         rule: Some(rule.name()),
     }
+}
+
+/// The angle in [0, 2 pi) from one heading (both in (-pi, pi]) to the other in the sense
+/// of a turn, radians.
+pub(crate) fn forwards(turn: Sign, from: f64, to: f64) -> f64 {
+    let angle = turn.factor() * (to - from);
+    if angle < 0.0 { angle + TAU } else { angle }
 }
 
 fn turn_in_place(position: &Vector<2>, from_heading: f64, sweep: f64) -> Leg<2> {

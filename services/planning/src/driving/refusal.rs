@@ -76,6 +76,7 @@ pub(super) fn contact(
     let leg = &legs[index];
     if let Curve::Turn { position, from_heading, sweep } = leg.curve {
         return DrivingError::TurnBlocked {
+            leg: index,
             position,
             heading: wrapped(from_heading + sweep),
             free: wrapped(from_heading + met.along * sweep),

@@ -6,22 +6,24 @@ use crate::geometry::Vector;
 /// of the turn, positive where the centre lies to the left of the path. Points
 /// have radius 0. Metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Circle {
-    pub(super) center: Vector<2>,
-    pub(super) signed_radius: f64,
+pub struct Circle {
+    /// Metres.
+    pub center: Vector<2>,
+    /// Metres.
+    pub signed_radius: f64,
 }
 
 /// A straight leg between two circles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Tangent {
+pub(crate) struct Tangent {
     /// Where it leaves the first circle.
-    pub(super) from: Vector<2>,
+    pub(crate) from: Vector<2>,
     /// Where it arrives at the second.
-    pub(super) to: Vector<2>,
+    pub(crate) to: Vector<2>,
     /// Unit vector along it.
-    pub(super) direction: Vector<2>,
+    pub(crate) direction: Vector<2>,
     /// Metres.
-    pub(super) length: f64,
+    pub(crate) length: f64,
 }
 
 /// Circles that miss each other by less than this part of their distance count
@@ -34,7 +36,7 @@ const TOUCHING: f64 = 1e-12;
 /// A line with unit direction u and left normal n = iu touches circle j where
 /// n.c_j = d + q_j. Subtracting, n.D = k with D = c2 - c1 and k = q2 - q1, so that
 /// D = (T + ik) u with the length T = sqrt(|D|^2 - k^2).
-pub(super) fn tangent(first: &Circle, second: &Circle) -> Option<Tangent> {
+pub(crate) fn tangent(first: &Circle, second: &Circle) -> Option<Tangent> {
     let apart = second.center - first.center;
     let k = second.signed_radius - first.signed_radius;
     let square = apart.dot(&apart);

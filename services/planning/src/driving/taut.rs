@@ -1,5 +1,6 @@
 //! The taut path: which corners it touches, and the tangents between them.
 
+use super::rules::TurnRule;
 use super::tangent::{Circle, Tangent, tangent};
 use super::{Corner, Drive, DrivingError, Gaps};
 use crate::geometry::{Direction, Vector, unit, unrotated};
@@ -63,7 +64,7 @@ fn wind(
     for (index, knot) in knots.iter().enumerate().filter(|(_, knot)| is_kept(kept, knot)) {
         let departure = knots.get(index + 1).map_or(&last, |next| &next.arrival);
         let corner = &drive.corners[knot.corner];
-        if !turns_forwards(corner, &knot.arrival, departure) {
+        if !turns_forwards(corner.rule, &knot.arrival.direction, &departure.direction) {
             let turn = unrotated(&departure.direction, &knot.arrival.direction);
             let sweep = corner.rule.turn.factor() * libm::atan2(turn.y, turn.x);
             return Err(DrivingError::CornerNotPassed { corner: knot.corner, sweep });
@@ -106,7 +107,8 @@ fn join(
                 None => too_close_to_point(drive, gaps, circle, top.corner, &top.circle),
             });
         };
-        if is_kept(kept, top) || turns_forwards(&drive.corners[top.corner], &top.arrival, &line) {
+        let rule = drive.corners[top.corner].rule;
+        if is_kept(kept, top) || turns_forwards(rule, &top.arrival.direction, &line.direction) {
             return Ok(line);
         }
         knots.pop();
@@ -123,10 +125,10 @@ fn is_kept(kept: &[bool], knot: &Knot) -> bool {
     kept.get(knot.corner) == Some(&true)
 }
 
-/// Whether the path from one tangent to the other goes forwards about a corner.
-fn turns_forwards(corner: &Corner, arrival: &Tangent, departure: &Tangent) -> bool {
-    let rule = corner.rule;
-    let turn = unrotated(&departure.direction, &arrival.direction);
+/// Whether a path that arrives and departs in these directions (unit vectors) goes
+/// forwards about a corner.
+pub(crate) fn turns_forwards(rule: &TurnRule, arrival: &Vector<2>, departure: &Vector<2>) -> bool {
+    let turn = unrotated(departure, arrival);
     if rule.turn.factor() * turn.y > STRAIGHT {
         return true;
     }
@@ -135,8 +137,8 @@ fn turns_forwards(corner: &Corner, arrival: &Tangent, departure: &Tangent) -> bo
     let angle = |direction: &Vector<2>, along: Direction, across: Direction| {
         libm::atan2(across.coordinate(direction), along.coordinate(direction))
     };
-    let arriving = angle(&arrival.direction, rule.approach, rule.leave);
-    let leaving = angle(&departure.direction, rule.leave, rule.approach);
+    let arriving = angle(arrival, rule.approach, rule.leave);
+    let leaving = angle(departure, rule.leave, rule.approach);
     arriving + leaving < 0.0
 }
 

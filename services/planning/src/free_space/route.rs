@@ -2,21 +2,47 @@
 
 use super::graph::Graph;
 use super::{Corner, End, HalfSpace, all_axes, longest, mouth_of, proper, towards};
-use crate::disassembly::{out_of_the_mouth, target};
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+mod driving;
 mod error;
+mod label;
 mod refusal;
+mod translating;
 mod traveller;
 
+pub use driving::Driving;
 pub use error::RouteError;
-pub use traveller::Traveller;
+pub use label::Label;
+pub use translating::Translating;
+pub use traveller::{Motion, Traveller};
 
-const NONE: u32 = u32::MAX;
+use label::{Ending, Entry, NONE, Way, number};
 
 const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
+
+/// How many routes may be blocked before the search is given up.
+const MOST_BLOCKED: usize = 16;
+
+/// No set of directions.
+const UNKNOWN: u8 = u8::MAX;
+
+/// Lengths that differ by no more are the same, metres.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// What was found about a route, by following it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Judgement {
+    /// It can be followed; the length of its path, metres.
+    Length(f64),
+    /// It can't: what stands in the way is met on the arc about this junction or the
+    /// straight line that leads to it; `None`: on the last line, to the goal.
+    /// Junctions are counted from 0 in travel order.
+    Blocked(Option<usize>),
+    /// It can't, and nor can any other.
+    Hopeless,
+}
 
 /// Looks for routes, in memory that is used again.
 ///
@@ -24,34 +50,35 @@ const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 ///
 /// The route is the one whose [`Chain`](super::Chain) has the shortest path by the
 /// rules, of all sequences of channels that do not go straight back through the
-/// junction they came by. For a body that is the length that
-/// [`crate::disassembly::disassemble`] gives, the way out included; for a robot see
-/// [`Traveller::robot`]. A channel may be travelled twice where that is shorter
-/// than any way without. Of several routes of the very same length one is always
-/// the same: it has the fewest channels, and then the lowest index where the
-/// search met them.
+/// junction they came by: for a body ([`Translating`]) by the length that
+/// [`crate::disassembly::disassemble`] gives, the way out included, for a robot
+/// ([`Driving`]) by that of [`crate::driving::route`]. A channel may be travelled twice
+/// where that is shorter than any way without. Of several routes of the very same
+/// length one is always the same: it has the fewest channels, and then the lowest
+/// index where the search met them.
 ///
 /// # How
 ///
-/// Where the rule puts a body in a junction depends on the directions in which it
-/// comes and goes, which the chain takes from the centres of the junctions before
-/// and after. So the search (A*, by what is missing to the mouth or the goal in a
-/// straight line) goes over junctions with both directions, and one bit that says
-/// whether the channel before had a choice of axes; this makes the chain's choice
-/// the search's own. In three dimensions the coordinate that a rule leaves alone
-/// depends on everything before; a state then keeps every way to it that is not
-/// beaten by another for all that may follow, which is by more than the difference
-/// of the two coordinates.
+/// Where the rule puts a body in a junction, and which corner a robot turns about there,
+/// depends on the directions in which it comes and goes, which the chain takes from the
+/// centres of the junctions before and after. So the search (A*, by what is missing to
+/// the mouth or the goal in a straight line) goes over junctions with both directions,
+/// and one bit that says whether the channel before had a choice of axes; this makes the
+/// chain's choice the search's own. What else a path's length depends on, and when one
+/// way into a junction makes another useless, is the [`Motion`]'s.
 ///
 /// Time goes with the pairs of junctions passed one after the other: n log n for n
 /// channels that meet a few others each; a channel with k junctions may cost k^2.
-/// Memory is `8 D + 104` bytes for every way found to a state (some ten per
-/// junction), and never for more of them than 12 per pair.
-#[derive(Debug, Clone, Default)]
-pub struct Router<const D: usize> {
-    labels: Vec<Label<D>>,
-    /// For every junction and way through it the first label.
+/// Memory is `8 D + 56` bytes (for a robot 104) for every way found to a state (some ten
+/// per junction), never for more of them than 24 per pair, and 10 bytes per junction.
+#[derive(Debug, Clone)]
+pub struct Router<const D: usize, M: Motion<D>> {
+    labels: Vec<Label<M::State>>,
+    /// For every slot the first label.
     heads: Vec<u32>,
+    /// For every slot the directions that lead on from the junction, as bits, once known.
+    onwards: Vec<u8>,
+    ends: Vec<Ending>,
     open: BinaryHeap<Entry>,
     starts: Vec<usize>,
     steps: usize,
@@ -59,76 +86,43 @@ pub struct Router<const D: usize> {
     length: f64,
 }
 
-/// How a junction is passed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Way {
-    approach: Direction,
-    leaving: Direction,
-    /// Whether the channel before could only have the axis it has.
-    forced: bool,
-}
-
-/// A way to a state.
-#[derive(Debug, Clone, Copy)]
-struct Label<const D: usize> {
-    /// Displacement there, metres.
-    at: Vector<D>,
-    /// Length so far, metres.
-    length: f64,
-    /// The channel before the junction; the last channel at the end.
-    channel: u32,
-    /// The junction, as the channel's slot; `NONE` at the end.
-    slot: u32,
-    /// The label before.
-    before: u32,
-    /// The next label of this slot.
-    next: u32,
-    junctions: u32,
-    way: Way,
-    beaten: bool,
-}
-
-/// An open label; the greatest comes first.
-#[derive(Debug, Clone, Copy)]
-struct Entry {
-    /// Length so far and what is missing at least, metres.
-    estimate: f64,
-    junctions: u32,
-    slot: u32,
-    label: u32,
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let key = |entry: &Self| (entry.junctions, entry.slot, entry.label);
-        other.estimate.total_cmp(&self.estimate).then_with(|| key(other).cmp(&key(self)))
+impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
+    fn default() -> Self {
+        Self {
+            labels: Vec::new(),
+            heads: Vec::new(),
+            onwards: Vec::new(),
+            ends: Vec::new(),
+            open: BinaryHeap::new(),
+            starts: Vec::new(),
+            steps: 0,
+            route: Vec::new(),
+            length: 0.0,
+        }
     }
 }
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Entry {}
 
 /// What is looked for.
-struct Search<'a, const D: usize> {
+pub struct Search<'a, const D: usize> {
     graph: &'a Graph<D>,
-    traveller: &'a Traveller<D>,
-    end: End<D>,
+    traveller: Traveller<D>,
     /// With an exit: where the channels that reach farthest along it end.
     mouth: Option<HalfSpace>,
 }
 
-impl<const D: usize> Router<D> {
+/// What came of one search.
+enum Found {
+    /// The route is there.
+    Route,
+    /// No way leads to the end.
+    Nothing,
+    /// The shortest is blocked, and what blocks it is ruled out from here on.
+    Blocked,
+    /// The shortest is blocked, and looking on is of no use.
+    Hopeless,
+}
+
+impl<const D: usize, M: Motion<D>> Router<D, M> {
     /// The route found last: indices of channels in travel order. Empty after an error.
     pub fn route(&self) -> &[usize] {
         &self.route
@@ -139,69 +133,147 @@ impl<const D: usize> Router<D> {
         self.length
     }
 
-    /// Finds the shortest route from where the traveller is to `end`: out of a
-    /// channel that reaches farthest along an exit, or to a goal (where the
-    /// traveller's centre is to be). Looks at no more than `most_steps` pairs of
-    /// junctions.
+    /// Finds the shortest route: out of a channel that reaches farthest along an exit, or
+    /// to a goal (where the traveller's centre is to be). Looks at no more than
+    /// `most_steps` pairs of junctions.
     pub fn find(
         &mut self,
         graph: &Graph<D>,
-        traveller: &Traveller<D>,
-        end: End<D>,
+        motion: &mut M,
         most_steps: usize,
+    ) -> Result<(), RouteError> {
+        self.find_judged(graph, motion, most_steps, |_, length| Judgement::Length(length))
+    }
+
+    /// Finds the shortest route that can be followed, as `judge` finds out: it is given a
+    /// route and its length by the search, metres, and is asked last about the route that
+    /// is taken. What blocks a route is avoided from there on, until as many as 16 have
+    /// been refused.
+    pub fn find_judged(
+        &mut self,
+        graph: &Graph<D>,
+        motion: &mut M,
+        most_steps: usize,
+        mut judge: impl FnMut(&[usize], f64) -> Judgement,
     ) -> Result<(), RouteError> {
         self.route.clear();
         self.length = 0.0;
         self.steps = 0;
+        let found = self.try_find(graph, motion, most_steps, &mut judge);
+        if found.is_err() {
+            self.route.clear();
+        }
+        found
+    }
+
+    fn try_find(
+        &mut self,
+        graph: &Graph<D>,
+        motion: &mut M,
+        most_steps: usize,
+        judge: &mut impl FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
         if graph.channels().is_empty() {
             return Err(RouteError::NoChannels);
         }
-        let mouth = match end {
+        let traveller = *motion.traveller();
+        let mouth = match traveller.end {
             End::Exit(exit) => farthest(graph.channels(), exit),
             End::Goal(_) => None,
         };
-        let search = Search { graph, traveller, end, mouth };
+        let search = Search { graph, traveller, mouth };
+        self.onwards.clear();
+        self.onwards.resize(graph.slot_count(), UNKNOWN);
         search.find_starts(&mut self.starts)?;
         search.check_goal()?;
-        self.search(&search, most_steps)?;
-        if self.route.is_empty() {
-            return Err(refusal::why_not(&search, &self.starts, most_steps));
+        for blocked in 0..MOST_BLOCKED {
+            match self.search(&search, motion, most_steps, judge)? {
+                Found::Route => return Ok(()),
+                Found::Blocked => {}
+                Found::Nothing if blocked == 0 => {
+                    return self.judge_any(&search, most_steps, judge);
+                }
+                Found::Nothing | Found::Hopeless => break,
+            }
         }
-        Ok(())
+        Err(RouteError::Blocked)
     }
 
-    fn search(&mut self, search: &Search<'_, D>, most_steps: usize) -> Result<(), RouteError> {
+    /// Says why there is no route. If nothing can be said but that the path can't be made
+    /// through junctions that are large enough, the judge is asked about that route.
+    fn judge_any(
+        &mut self,
+        search: &Search<'_, D>,
+        most_steps: usize,
+        judge: &mut impl FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        self.route = refusal::why_not(search, &self.starts, most_steps)?;
+        match judge(&self.route, f64::INFINITY) {
+            Judgement::Length(length) => {
+                self.length = length;
+                Ok(())
+            }
+            _ => Err(RouteError::Blocked),
+        }
+    }
+
+    fn search(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        most_steps: usize,
+        judge: &mut impl FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<Found, RouteError> {
         self.labels.clear();
+        self.ends.clear();
         self.open.clear();
         self.heads.clear();
         self.heads.resize(search.graph.slot_count(), NONE);
         for index in 0..self.starts.len() {
-            self.start_in(search, self.starts[index]);
+            self.start_in(search, motion, self.starts[index]);
         }
         while let Some(entry) = self.open.pop() {
-            let label = self.labels[entry.label as usize];
-            if label.slot == NONE {
+            if entry.slot == NONE {
+                let Ending { length, before, .. } = self.ends[entry.label as usize];
                 self.trace(entry.label);
-                return Ok(());
+                match judge(&self.route, length) {
+                    Judgement::Length(exact) if exact <= length + SAME_LENGTH => {
+                        self.length = exact;
+                        return Ok(Found::Route);
+                    }
+                    // Others may be shorter.
+                    Judgement::Length(exact) => {
+                        self.ends[entry.label as usize].length = exact;
+                        self.open.push(Entry { estimate: exact, ..entry });
+                    }
+                    Judgement::Blocked(junction) => {
+                        return Ok(match motion.avoid(&self.labels, before, junction) {
+                            true => Found::Blocked,
+                            false => Found::Hopeless,
+                        });
+                    }
+                    Judgement::Hopeless => return Ok(Found::Hopeless),
+                }
+                continue;
             }
+            let label = self.labels[entry.label as usize];
             if !label.beaten {
-                self.go_on(search, entry.label, &label);
+                self.go_on(search, motion, entry.label, &label);
             }
             if self.steps > most_steps {
                 return Err(RouteError::TooManySteps { has: self.steps, most: most_steps });
             }
         }
-        Ok(())
+        Ok(Found::Nothing)
     }
 
     /// All first steps out of a channel that the traveller is in.
-    fn start_in(&mut self, search: &Search<'_, D>, first: usize) {
+    fn start_in(&mut self, search: &Search<'_, D>, motion: &M, first: usize) {
         let channel = &search.graph.channels()[first];
         let start = search.traveller.center();
-        let at = Vector::zeros();
         if search.ends_in(first) {
             // Any axis will do.
-            self.finish(search, first, NONE, &at, 0.0, 0);
+            self.finish(search, motion, first, NONE, 0);
         }
         for slot in search.graph.slots(first) {
             self.steps += 1;
@@ -217,15 +289,15 @@ impl<const D: usize> Router<D> {
                 for sign in SIGNS {
                     let leaving = Direction { axis: leaving, sign };
                     let corner = Corner { junction, approach, leaving };
-                    self.enter(search, (first, slot), corner, forced, (NONE, &at, 0.0, 0));
+                    self.enter(search, motion, (first, slot), &corner, forced, (NONE, 0));
                 }
             }
         }
     }
 
     /// All steps on from a junction.
-    fn go_on(&mut self, search: &Search<'_, D>, index: u32, label: &Label<D>) {
-        let Way { approach, leaving, forced } = label.way;
+    fn go_on(&mut self, search: &Search<'_, D>, motion: &M, index: u32, label: &Label<M::State>) {
+        let (approach, leaving) = (label.way.approach(), label.way.leaving());
         let (graph, before) = (search.graph, label.channel as usize);
         let here = graph.neighbour_at(label.slot as usize);
         let channel = &graph.channels()[here];
@@ -233,16 +305,16 @@ impl<const D: usize> Router<D> {
         let center = from.center();
         let mine = proper(&from, channel);
         // What the channel before needs for itself.
-        let taken = if forced { 1 << approach.axis } else { 0 };
+        let taken = if label.way.is_forced() { 1 << approach.axis } else { 0 };
 
         if search.ends_in(here) {
-            let out = match search.end {
+            let out = match search.traveller.end {
                 End::Exit(exit) => (taken >> exit.axis & 1 == 0).then_some(exit),
                 End::Goal(goal) => longest(or_all::<D>(mine) & !taken, &center, &goal)
                     .map(|axis| towards(&center, &goal, axis)),
             };
             if out == Some(leaving) {
-                self.finish(search, here, index, &label.at, label.length, label.junctions);
+                self.finish(search, motion, here, index, label.junctions);
             }
         }
         for slot in graph.slots(here) {
@@ -250,12 +322,13 @@ impl<const D: usize> Router<D> {
             if graph.neighbour_at(slot) == before {
                 continue;
             }
+            let neighbour = &graph.channels()[graph.neighbour_at(slot)];
+            if !lies_towards(leaving, &center, channel, neighbour) {
+                continue;
+            }
             let Some(junction) = search.passable(channel, slot) else { continue };
             let next = junction.center();
             let possible = or_all::<D>(mine | proper(&junction, channel)) & !taken;
-            if towards(&center, &next, leaving.axis) != leaving {
-                continue;
-            }
             for axis in (0..D).filter(|axis| *axis != leaving.axis) {
                 if longest(possible & !(1 << axis), &center, &next) != Some(leaving.axis) {
                     continue;
@@ -264,120 +337,97 @@ impl<const D: usize> Router<D> {
                     let corner =
                         Corner { junction, approach: leaving, leaving: Direction { axis, sign } };
                     let forced = possible.count_ones() == 1;
-                    let from = (index, &label.at, label.length, label.junctions);
-                    self.enter(search, (here, slot), corner, forced, from);
+                    let from = (index, label.junctions);
+                    self.enter(search, motion, (here, slot), &corner, forced, from);
                 }
             }
         }
     }
 
-    /// Opens the label of a step into a junction, unless it is beaten.
+    /// Opens the label of a step into a junction, if it is of use.
     fn enter(
         &mut self,
         search: &Search<'_, D>,
+        motion: &M,
         (channel, slot): (usize, usize),
-        corner: Corner<D>,
+        corner: &Corner<D>,
         forced: bool,
-        (before, from, length, junctions): (u32, &Vector<D>, f64, u32),
+        (before, junctions): (u32, u32),
     ) {
-        let next = search.graph.neighbour_at(slot);
-        if search.graph.slots(next).len() == 1 && !search.ends_in(next) {
+        let onwards = match self.onwards[slot] {
+            UNKNOWN => {
+                self.onwards[slot] = search.onwards(channel, slot);
+                self.onwards[slot]
+            }
+            known => known,
+        };
+        if onwards >> number(corner.leaving) & 1 == 0 {
             return; // A dead end.
         }
-        let Traveller { least, greatest, .. } = search.traveller;
-        let gap = search.traveller.gap_in(&corner.junction);
-        let (at, _) = target(&corner, (least, greatest), gap.as_ref(), from);
-        let length = length + (at - from).norm();
-        let way = Way { approach: corner.approach, leaving: corner.leaving, forced };
-
-        let mut previous = NONE;
-        let mut other = self.heads[slot];
-        while other != NONE {
-            let known = &mut self.labels[other as usize];
-            let following = known.next;
-            if known.way == way {
-                let apart = (known.at - at).abs().sum();
-                if known.length + apart <= length {
-                    return;
-                }
-                if length + apart <= known.length {
-                    known.beaten = true;
-                    self.unlink(slot, previous, following);
-                    other = following;
-                    continue;
-                }
+        for step in motion.enter(search, &self.labels, before, corner).into_iter().flatten() {
+            let label = Label {
+                state: step.state,
+                length: step.length,
+                channel: channel as u32,
+                slot: slot as u32,
+                before,
+                next: self.heads[slot],
+                junctions: junctions + 1,
+                way: Way::new(corner.approach, corner.leaving, forced),
+                beaten: false,
+            };
+            if motion.compare(&mut self.labels, &label) {
+                // Labels are fewer than `NONE`: there are at most 24 per step, and memory
+                // ends before.
+                let index = self.labels.len() as u32;
+                self.heads[slot] = index;
+                let Label { junctions, slot, .. } = label;
+                self.labels.push(label);
+                self.open.push(Entry { estimate: step.estimate, junctions, slot, label: index });
             }
-            previous = other;
-            other = following;
-        }
-        let label = Label {
-            at,
-            length,
-            channel: channel as u32,
-            slot: slot as u32,
-            before,
-            next: self.heads[slot],
-            junctions: junctions + 1,
-            way,
-            beaten: false,
-        };
-        self.heads[slot] = self.open(label, length + search.missing(&at));
-    }
-
-    fn unlink(&mut self, slot: usize, previous: u32, following: u32) {
-        match self.labels.get_mut(previous as usize) {
-            Some(label) => label.next = following,
-            None => self.heads[slot] = following,
         }
     }
 
-    /// Opens the label of the way out of the last channel, or to the goal.
+    /// Opens the way out of the last channel, or to the goal.
     fn finish(
         &mut self,
         search: &Search<'_, D>,
+        motion: &M,
         last: usize,
         before: u32,
-        from: &Vector<D>,
-        length: f64,
         junctions: u32,
     ) {
-        let at = search.destination(from);
-        let length = length + (at - from).norm();
-        let nowhere = Direction { axis: 0, sign: Sign::Positive };
-        self.open(
-            Label {
-                at,
-                length,
-                channel: last as u32,
-                slot: NONE,
-                before,
-                next: NONE,
-                junctions,
-                way: Way { approach: nowhere, leaving: nowhere, forced: false },
-                beaten: false,
-            },
-            length,
-        );
+        let Some(length) = motion.finish(search, &self.labels, before) else { return };
+        let index = self.ends.len() as u32;
+        self.ends.push(Ending { length, channel: last as u32, before });
+        self.open.push(Entry { estimate: length, junctions, slot: NONE, label: index });
     }
 
-    fn open(&mut self, label: Label<D>, estimate: f64) -> u32 {
-        // Labels are fewer than `NONE`: there are at most 12 per step, and memory ends before.
-        let index = self.labels.len() as u32;
-        let (junctions, slot) = (label.junctions, label.slot);
-        self.labels.push(label);
-        self.open.push(Entry { estimate, junctions, slot, label: index });
-        index
-    }
-
-    fn trace(&mut self, last: u32) {
-        self.length = self.labels[last as usize].length;
-        let mut at = last;
+    /// Refills the route with the channels that lead to an end.
+    fn trace(&mut self, end: u32) {
+        let Ending { channel, before, .. } = self.ends[end as usize];
+        self.route.clear();
+        self.route.push(channel as usize);
+        let mut at = before;
         while let Some(label) = self.labels.get(at as usize) {
             self.route.push(label.channel as usize);
             at = label.before;
         }
         self.route.reverse();
     }
+}
+
+/// Whether the middle of the common part of two channels lies that way from `center`.
+fn lies_towards<const D: usize>(
+    direction: Direction,
+    center: &Vector<D>,
+    one: &AxisBox<D>,
+    other: &AxisBox<D>,
+) -> bool {
+    let Direction { axis, sign } = direction;
+    let (min, max) =
+        (one.min()[axis].max(other.min()[axis]), one.max()[axis].min(other.max()[axis]));
+    Sign::of((min + max) / 2.0 - center[axis]) == sign
 }
 
 fn or_all<const D: usize>(axes: u8) -> u8 {
@@ -398,7 +448,7 @@ fn holds<const D: usize>(channel: &AxisBox<D>, min: &Vector<D>, max: &Vector<D>)
 impl<const D: usize> Search<'_, D> {
     /// The channels that the traveller is in, in ascending order.
     fn find_starts(&self, starts: &mut Vec<usize>) -> Result<(), RouteError> {
-        let Traveller { least, greatest, .. } = self.traveller;
+        let Traveller { least, greatest, .. } = &self.traveller;
         let channels = self.graph.channels();
         starts.clear();
         self.graph.tree().visit(least, least, 0.0, |index| {
@@ -416,7 +466,7 @@ impl<const D: usize> Search<'_, D> {
     }
 
     fn check_goal(&self) -> Result<(), RouteError> {
-        let End::Goal(goal) = self.end else { return Ok(()) };
+        let End::Goal(goal) = self.traveller.end else { return Ok(()) };
         let channels = self.graph.channels();
         let mut found = false;
         self.graph.tree().visit(&goal, &goal, 0.0, |_| {
@@ -432,31 +482,37 @@ impl<const D: usize> Search<'_, D> {
 
     fn ends_in(&self, index: usize) -> bool {
         let channel = &self.graph.channels()[index];
-        match self.end {
+        match self.traveller.end {
             End::Exit(exit) => Some(mouth_of(channel, exit)) == self.mouth,
             End::Goal(goal) => holds(channel, &goal, &goal),
         }
+    }
+
+    /// The directions in which something lies in the channel behind a slot: another
+    /// junction, or the end.
+    fn onwards(&self, before: usize, slot: usize) -> u8 {
+        let (graph, here) = (self.graph, self.graph.neighbour_at(slot));
+        let directions = (0..D).flat_map(|axis| SIGNS.map(|sign| Direction { axis, sign }));
+        if self.ends_in(here) {
+            return directions.fold(0, |bits, direction| bits | 1 << number(direction));
+        }
+        let channel = &graph.channels()[here];
+        let Some(junction) = graph.channels()[before].intersection(channel) else { return 0 };
+        let center = junction.center();
+        let others = || graph.slots(here).map(|slot| graph.neighbour_at(slot));
+        let leads_on = |direction: &Direction| {
+            others().any(|other| {
+                let other = (other != before).then(|| &graph.channels()[other]);
+                other.is_some_and(|other| lies_towards(*direction, &center, channel, other))
+            })
+        };
+        directions.filter(leads_on).fold(0, |bits, direction| bits | 1 << number(direction))
     }
 
     /// The junction of a channel with its neighbour, if the traveller fits.
     fn passable(&self, channel: &AxisBox<D>, slot: usize) -> Option<AxisBox<D>> {
         let next = &self.graph.channels()[self.graph.neighbour_at(slot)];
         channel.intersection(next).filter(|junction| self.traveller.fits(junction))
-    }
-
-    /// Where the path ends that comes from `from`.
-    fn destination(&self, from: &Vector<D>) -> Vector<D> {
-        let Traveller { least, greatest, .. } = self.traveller;
-        match (self.end, &self.mouth) {
-            (End::Goal(goal), _) => goal - self.traveller.center(),
-            (End::Exit(_), Some(mouth)) => out_of_the_mouth((least, greatest), mouth, *from),
-            (End::Exit(_), None) => *from,
-        }
-    }
-
-    /// What is missing at least.
-    fn missing(&self, from: &Vector<D>) -> f64 {
-        (self.destination(from) - from).norm()
     }
 }
 

@@ -118,6 +118,10 @@ pub enum RouteError {
         /// It must not be greater than this.
         most: f64,
     },
+    /// There are routes, but what was found out about them, by following them, is that
+    /// they are blocked.
+    #[error("every route found is blocked")]
+    Blocked,
     /// The search was given up.
     #[error("no route after {has} pairs of junctions, at most {most} are allowed")]
     TooManySteps {

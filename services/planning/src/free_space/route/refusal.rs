@@ -1,6 +1,6 @@
 //! What would have to change for there to be a route.
 
-use super::{RouteError, Search};
+use super::{RouteError, Search, Traveller};
 use crate::free_space::{Chain, ChainError};
 use crate::geometry::{AxisBox, Vector};
 use std::cmp::Ordering;
@@ -65,12 +65,12 @@ impl PartialEq for Reached {
 impl Eq for Reached {}
 
 /// The bottleneck: of all ways over channels that meet or touch, the one whose
-/// smallest junction lacks least.
+/// smallest junction lacks least. `Ok`: it lacks nothing, and these channels make a chain.
 pub(super) fn why_not<const D: usize>(
     search: &Search<'_, D>,
     starts: &[usize],
     most_steps: usize,
-) -> RouteError {
+) -> Result<Vec<usize>, RouteError> {
     let channels = search.graph.channels();
     let mut before: Vec<Option<usize>> = vec![None; channels.len()];
     let mut best = vec![f64::INFINITY; channels.len()];
@@ -94,7 +94,7 @@ pub(super) fn why_not<const D: usize>(
                 at = previous;
             }
             route.reverse();
-            return bottleneck(search, &route);
+            return bottleneck(search, route);
         }
         let this = &channels[channel];
         search.graph.tree().visit(&this.min(), &this.max(), 0.0, |next| {
@@ -111,10 +111,10 @@ pub(super) fn why_not<const D: usize>(
             if steps > most_steps { -1.0 } else { 0.0 }
         });
         if steps > most_steps {
-            return RouteError::TooManySteps { has: steps, most: most_steps };
+            return Err(RouteError::TooManySteps { has: steps, most: most_steps });
         }
     }
-    RouteError::Separate { reached, channels: channels.len() }
+    Err(RouteError::Separate { reached, channels: channels.len() })
 }
 
 /// By how much the junction of two channels that meet or touch is too small, and
@@ -142,8 +142,11 @@ fn extent<const D: usize>(one: &AxisBox<D>, other: &AxisBox<D>, axis: usize) -> 
     one.max()[axis].min(other.max()[axis]) - one.min()[axis].max(other.min()[axis])
 }
 
-fn bottleneck<const D: usize>(search: &Search<'_, D>, route: &[usize]) -> RouteError {
-    let (channels, traveller) = (search.graph.channels(), search.traveller);
+fn bottleneck<const D: usize>(
+    search: &Search<'_, D>,
+    route: Vec<usize>,
+) -> Result<Vec<usize>, RouteError> {
+    let (channels, traveller) = (search.graph.channels(), &search.traveller);
     let mut worst = (f64::NEG_INFINITY, None);
     for pair in route.windows(2) {
         let [first, second] = *pair else { continue };
@@ -152,26 +155,30 @@ fn bottleneck<const D: usize>(search: &Search<'_, D>, route: &[usize]) -> RouteE
             worst = (lack, Some((first, second, axis)));
         }
     }
-    let Some((first, second, axis)) = worst.1 else { return parallel(search, route) };
+    let Some((first, second, axis)) = worst.1 else { return chained(search, route) };
     let has = extent(&channels[first], &channels[second], axis);
     let (needs, with_gap) = traveller.needs_along(axis);
     if has > needs && needs < with_gap {
         let (gap, most) = (traveller.gap_along(axis), (has - needs) / 2.0);
-        return RouteError::GapOutOfRange { first, second, axis, gap, least: 0.0, most };
+        return Err(RouteError::GapOutOfRange { first, second, axis, gap, least: 0.0, most });
     }
-    RouteError::JunctionTooSmall { first, second, axis, needs, has }
+    Err(RouteError::JunctionTooSmall { first, second, axis, needs, has })
 }
 
-/// All junctions of the route are large enough.
-fn parallel<const D: usize>(search: &Search<'_, D>, route: &[usize]) -> RouteError {
+/// All junctions of the route are large enough: does it make a chain?
+fn chained<const D: usize>(
+    search: &Search<'_, D>,
+    route: Vec<usize>,
+) -> Result<Vec<usize>, RouteError> {
     let channels = search.graph.channels();
     let along: Vec<_> = route.iter().map(|index| channels[*index]).collect();
-    let result = Chain::default().build(&along, &search.traveller.center(), search.end);
-    match result {
+    let Traveller { end, .. } = search.traveller;
+    match Chain::default().build(&along, &search.traveller.center(), end) {
         Err(ChainError::Parallel { first, second, axis }) => {
-            RouteError::Parallel { first: route[first], second: route[second], axis }
+            Err(RouteError::Parallel { first: route[first], second: route[second], axis })
         }
-        // Not met: a route that makes a chain would have been found.
-        _ => RouteError::Separate { reached: route.len(), channels: channels.len() },
+        // Not met: junctions are not empty.
+        Err(_) => Err(RouteError::NoChannels),
+        Ok(()) => Ok(route),
     }
 }

@@ -4,6 +4,7 @@ use crate::free_space::Chain;
 use crate::free_space::solids::{Caps, Solids};
 use proptest::prelude::*;
 
+mod robots;
 mod scenes;
 use scenes::{Crowd, corridors, crowd, solids_around};
 
@@ -16,46 +17,48 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
     AxisBox::new(min.into(), max.into()).expect("a box")
 }
 
-fn find<const D: usize>(
+fn find<const D: usize, M: Motion<D> + Clone>(
     channels: &[AxisBox<D>],
-    traveller: &Traveller<D>,
-    end: End<D>,
+    motion: &M,
 ) -> Result<(Vec<usize>, f64), RouteError> {
     let (mut graph, mut router) = (Graph::default(), Router::default());
     graph.build(channels, MOST).expect("few junctions");
-    let result = router.find(&graph, traveller, end, MOST);
+    let result = router.find(&graph, &mut motion.clone(), MOST);
     assert_eq!(router.route().is_empty(), result.is_err());
     result.map(|()| (router.route().to_vec(), router.length()))
 }
 
-fn body<const D: usize>(min: [f64; D], max: [f64; D], gap: Gap<'_, D>) -> Traveller<D> {
-    Traveller::body(&space(min, max), gap).expect("a traveller")
+fn body<const D: usize>(
+    min: [f64; D],
+    max: [f64; D],
+    gap: Gap<'_, D>,
+    end: End<D>,
+) -> Translating<D> {
+    Translating::new(&space(min, max), gap, end).expect("a traveller")
 }
 
 /// The body of most scenes, 1 m each way.
-fn cube(x: f64, z: f64) -> Traveller<2> {
-    body([x, z], [x + 1.0, z + 1.0], Gap::Uniform(0.1))
+fn cube(x: f64, z: f64, end: End<2>) -> Translating<2> {
+    body([x, z], [x + 1.0, z + 1.0], Gap::Uniform(0.1), end)
 }
 
 #[track_caller]
-fn check<const D: usize>(
+fn check<const D: usize, M: Motion<D> + Clone>(
     channels: &[AxisBox<D>],
-    traveller: &Traveller<D>,
-    end: End<D>,
+    motion: &M,
     route: &[usize],
 ) {
-    let found = find(channels, traveller, end);
+    let found = find(channels, motion);
     assert_eq!(found.expect("a route").0, route);
 }
 
 #[track_caller]
-fn check_error<const D: usize>(
+fn check_error<const D: usize, M: Motion<D> + Clone>(
     channels: &[AxisBox<D>],
-    traveller: &Traveller<D>,
-    end: End<D>,
+    motion: &M,
     error: RouteError,
 ) {
-    assert_eq!(find(channels, traveller, end), Err(error));
+    assert_eq!(find(channels, motion), Err(error));
 }
 
 /// C_1, C_2, C_3 of section 4.
@@ -63,8 +66,8 @@ fn section_4() -> [AxisBox<2>; 3] {
     [space([1., 2.], [5., 7.]), space([1., 2.], [7., 6.]), space([4., 1.], [7., 6.])]
 }
 
-fn male(gap: Gap<'_, 2>) -> Traveller<2> {
-    body([4.5, 1.01], [6.99, 4.0], gap)
+fn male(gap: Gap<'_, 2>) -> Translating<2> {
+    body([4.5, 1.01], [6.99, 4.0], gap, End::Exit(UP))
 }
 
 #[test]
@@ -75,7 +78,7 @@ fn section_4_is_put_in_order() {
         (Gap::Safest, 8.50994224312348),
         (Gap::Fraction(1.0), 8.50994224312348),
     ] {
-        let (route, found) = find(&section_4(), &male(gap), End::Exit(UP)).expect("a route");
+        let (route, found) = find(&section_4(), &male(gap)).expect("a route");
         assert_eq!(route, [2, 1, 0]);
         assert!((found - length).abs() < 1e-14, "{found}");
     }
@@ -84,14 +87,14 @@ fn section_4_is_put_in_order() {
 #[test]
 fn body_in_the_last_channel_goes_straight_out() {
     let (route, length) =
-        find(&section_4(), &body([2., 3.], [3., 4.], Gap::Safest), End::Exit(UP)).expect("a route");
+        find(&section_4(), &body([2., 3.], [3., 4.], Gap::Safest, End::Exit(UP))).expect("a route");
     assert_eq!((route, length), (vec![0], 4.0));
 }
 
 #[test]
 fn start_may_lie_in_several_channels() {
     // In C_2 and C_3; from C_2 it is nearer.
-    check(&section_4(), &body([5.5, 3.], [6.5, 4.], Gap::Uniform(0.1)), End::Exit(UP), &[1, 0]);
+    check(&section_4(), &body([5.5, 3.], [6.5, 4.], Gap::Uniform(0.1), End::Exit(UP)), &[1, 0]);
 }
 
 #[test]
@@ -108,9 +111,9 @@ fn shorter_way_wins_over_fewer_channels() {
         space([0., 6.], [9., 8.]),
         space([7., 6.], [9., 12.]),
     ];
-    check(&channels, &cube(8.5, 0.5), End::Exit(UP), &[0, 4, 5, 6, 7, 8, 2, 3]);
+    check(&channels, &cube(8.5, 0.5, End::Exit(UP)), &[0, 4, 5, 6, 7, 8, 2, 3]);
     let without = &channels[..4];
-    check(without, &cube(8.5, 0.5), End::Exit(UP), &[0, 1, 2, 3]);
+    check(without, &cube(8.5, 0.5, End::Exit(UP)), &[0, 1, 2, 3]);
 }
 
 #[test]
@@ -124,19 +127,19 @@ fn equal_ways_are_decided_by_index() {
         space([-9., 7.], [9., 9.]),
         space([-1., 7.], [1., 12.]),
     ];
-    let traveller = body([-0.5, 0.5], [0.5, 1.5], Gap::Uniform(0.25));
-    check(&channels, &traveller, End::Exit(UP), &[0, 1, 2, 4, 5]);
+    let traveller = body([-0.5, 0.5], [0.5, 1.5], Gap::Uniform(0.25), End::Exit(UP));
+    check(&channels, &traveller, &[0, 1, 2, 4, 5]);
     channels.swap(2, 3);
-    check(&channels, &traveller, End::Exit(UP), &[0, 1, 2, 4, 5]);
+    check(&channels, &traveller, &[0, 1, 2, 4, 5]);
 }
 
 #[test]
 fn goal_in_several_channels_is_reached_the_shorter_way() {
     let channels =
         [space([0., 0.], [9., 2.]), space([7., 0.], [9., 9.]), space([2., 7.], [9., 9.])];
-    check(&channels, &cube(0.5, 0.5), End::Goal([8., 8.].into()), &[0, 1]);
-    check(&channels, &cube(0.5, 0.5), End::Goal([3., 8.].into()), &[0, 1, 2]);
-    check(&channels, &cube(0.5, 0.5), End::Goal([8., 1.].into()), &[0]);
+    check(&channels, &cube(0.5, 0.5, End::Goal([8., 8.].into())), &[0, 1]);
+    check(&channels, &cube(0.5, 0.5, End::Goal([3., 8.].into())), &[0, 1, 2]);
+    check(&channels, &cube(0.5, 0.5, End::Goal([8., 1.].into())), &[0]);
 }
 
 #[test]
@@ -147,8 +150,8 @@ fn route_in_three_dimensions_turns_twice() {
         space([0., 0., 0.], [2., 9., 2.]),
     ];
     let up = Direction { axis: 2, sign: Sign::Positive };
-    let traveller = body([7., 0.5, 0.5], [8., 1.5, 1.5], Gap::Uniform(0.2));
-    check(&channels, &traveller, End::Exit(up), &[1, 2, 0]);
+    let traveller = body([7., 0.5, 0.5], [8., 1.5, 1.5], Gap::Uniform(0.2), End::Exit(up));
+    check(&channels, &traveller, &[1, 2, 0]);
 }
 
 #[test]
@@ -159,9 +162,10 @@ fn robot_takes_the_shorter_corridor() {
         space([25., 0.], [28., 20.]),
         space([0., 17.], [30., 20.]),
     ];
-    let robot = |x| Traveller::robot([x, 1.5].into(), Vector::repeat(1.5), 0.7);
-    check(&channels, &robot(3.0), End::Goal([6., 18.].into()), &[0, 1, 3]);
-    check(&channels, &robot(24.0), End::Goal([29., 18.].into()), &[0, 2, 3]);
+    let robot =
+        |x, goal: [f64; 2]| Driving::new([x, 1.5].into(), goal.into(), Vector::repeat(1.5), 0.7);
+    check(&channels, &robot(3.0, [6., 18.]), &[0, 1, 3]);
+    check(&channels, &robot(24.0, [29., 18.]), &[0, 2, 3]);
 }
 
 #[test]
@@ -181,28 +185,28 @@ fn smallest_junction_on_the_best_way_is_named() {
         needs: 1.0,
         has: 0.7000000000000002,
     };
-    check_error(&channels, &cube(5., 0.5), End::Exit(UP), error);
+    check_error(&channels, &cube(5., 0.5, End::Exit(UP)), error);
 }
 
 #[test]
 fn equally_large_junction_is_too_small() {
     let channels = [space([0., 0.], [9., 2.]), space([8., 0.], [9., 9.])];
     let error = RouteError::JunctionTooSmall { first: 0, second: 1, axis: 0, needs: 1.0, has: 1.0 };
-    check_error(&channels, &cube(1., 0.5), End::Exit(UP), error);
+    check_error(&channels, &cube(1., 0.5, End::Exit(UP)), error);
 }
 
 #[test]
 fn channels_that_touch_could_be_opened() {
     let channels = [space([0., 0.], [9., 2.]), space([5., 2.], [8., 9.])];
     let error = RouteError::JunctionTooSmall { first: 0, second: 1, axis: 1, needs: 1.0, has: 0.0 };
-    check_error(&channels, &cube(1., 0.5), End::Exit(UP), error);
+    check_error(&channels, &cube(1., 0.5, End::Exit(UP)), error);
 }
 
 #[test]
 fn gap_too_large_is_told_from_a_body_too_large() {
     let channels = [space([0., 0.], [9., 2.]), space([7.5, 0.], [9., 9.])];
-    let traveller = |gap| body([1., 0.5], [2., 1.5], Gap::Uniform(gap));
-    check(&channels, &traveller(0.2), End::Exit(UP), &[0, 1]);
+    let traveller = |gap| body([1., 0.5], [2., 1.5], Gap::Uniform(gap), End::Exit(UP));
+    check(&channels, &traveller(0.2), &[0, 1]);
     let error = |gap| RouteError::GapOutOfRange {
         first: 0,
         second: 1,
@@ -211,17 +215,17 @@ fn gap_too_large_is_told_from_a_body_too_large() {
         least: 0.0,
         most: 0.25,
     };
-    check_error(&channels, &traveller(0.25), End::Exit(UP), error(0.25));
-    check_error(&channels, &traveller(0.3), End::Exit(UP), error(0.3));
+    check_error(&channels, &traveller(0.25), error(0.25));
+    check_error(&channels, &traveller(0.3), error(0.3));
 }
 
 #[test]
 fn gap_leads_another_way() {
     let channels =
         [space([0., 0.], [30., 2.]), space([7.5, 0.], [9., 9.]), space([20., 0.], [23., 9.])];
-    let traveller = |gap| body([1., 0.5], [2., 1.5], Gap::Uniform(gap));
-    check(&channels, &traveller(0.2), End::Exit(UP), &[0, 1]);
-    check(&channels, &traveller(0.3), End::Exit(UP), &[0, 2]);
+    let traveller = |gap| body([1., 0.5], [2., 1.5], Gap::Uniform(gap), End::Exit(UP));
+    check(&channels, &traveller(0.2), &[0, 1]);
+    check(&channels, &traveller(0.3), &[0, 2]);
 }
 
 #[test]
@@ -229,32 +233,32 @@ fn separate_parts_are_told() {
     let channels =
         [space([0., 0.], [9., 2.]), space([5., 3.], [8., 9.]), space([0., 0.], [2., 3.])];
     let error = RouteError::Separate { reached: 2, channels: 3 };
-    check_error(&channels, &cube(1., 0.5), End::Exit(UP), error);
+    check_error(&channels, &cube(1., 0.5, End::Exit(UP)), error);
 }
 
 #[test]
 fn channels_without_a_turn_are_told() {
     let channels = [space([0., 0.], [9., 2.]), space([6., 0.], [20., 2.])];
     let error = RouteError::Parallel { first: 0, second: 1, axis: 0 };
-    check_error(&channels, &cube(1., 0.5), End::Exit(RIGHT), error);
+    check_error(&channels, &cube(1., 0.5, End::Exit(RIGHT)), error);
 }
 
 #[test]
 fn start_and_goal_outside_are_told() {
     let channels = [space([0., 0.], [9., 2.]), space([7., 0.], [9., 9.])];
     let error = RouteError::StartOutside { channel: 0, axis: 1, body: 2.5, end: 2.0 };
-    check_error(&channels, &cube(1., 1.5), End::Exit(UP), error);
+    check_error(&channels, &cube(1., 1.5, End::Exit(UP)), error);
     let error = RouteError::StartOutside { channel: 1, axis: 1, body: 10.0, end: 9.0 };
-    check_error(&channels, &cube(7.5, 9.), End::Exit(UP), error);
+    check_error(&channels, &cube(7.5, 9., End::Exit(UP)), error);
     let error = RouteError::GoalOutside { channel: 1, axis: 1, goal: 9.5, end: 9.0 };
-    check_error(&channels, &cube(1., 0.5), End::Goal([8., 9.5].into()), error);
-    check_error(&[], &cube(1., 1.5), End::Exit(UP), RouteError::NoChannels);
+    check_error(&channels, &cube(1., 0.5, End::Goal([8., 9.5].into())), error);
+    check_error(&[], &cube(1., 1.5, End::Exit(UP)), RouteError::NoChannels);
 }
 
 #[test]
 fn gaps_that_make_no_route_are_rejected() {
     let cube = space([0., 0.], [1., 1.]);
-    let check = |gap, error| assert_eq!(Traveller::body(&cube, gap), Err(error));
+    let check = |gap, error| assert_eq!(Translating::new(&cube, gap, End::Exit(UP)), Err(error));
     check(Gap::Uniform(0.0), RouteError::GapNotPositive { axis: 0, gap: 0.0, least: 0.0 });
     let error = RouteError::GapNotPositive { axis: 1, gap: -1.0, least: 0.0 };
     check(Gap::PerAxis([1.0, -1.0].into()), error);
@@ -262,13 +266,14 @@ fn gaps_that_make_no_route_are_rejected() {
     check(Gap::PerJunction(&three), RouteError::GapPerJunction { has: 3 });
     let error = RouteError::FractionOutOfRange { fraction: 1.5, least: 0.0, most: 1.0 };
     check(Gap::Fraction(1.5), error);
-    assert!(Traveller::body(&cube, Gap::Uniform(f64::NAN)).is_err());
+    assert!(Translating::new(&cube, Gap::Uniform(f64::NAN), End::Exit(UP)).is_err());
 }
 
 #[test]
 fn memory_is_as_documented() {
-    assert!(size_of::<Label<2>>() + size_of::<Entry>() <= 8 * 2 + 104);
-    assert!(size_of::<Label<3>>() + size_of::<Entry>() <= 8 * 3 + 104);
+    assert!(size_of::<Label<Vector<2>>>() + size_of::<Entry>() <= 8 * 2 + 56);
+    assert!(size_of::<Label<Vector<3>>>() + size_of::<Entry>() <= 8 * 3 + 56);
+    assert!(size_of::<Label<driving::Passage>>() + size_of::<Entry>() <= 104);
 }
 
 #[test]
@@ -278,8 +283,8 @@ fn steps_and_junctions_are_capped() {
     assert_eq!(graph.junctions(), 3);
     assert_eq!(graph.neighbours(1).collect::<Vec<_>>(), [0, 2]);
     let mut router = Router::default();
-    let male = male(Gap::Safest);
-    let result = router.find(&graph, &male, End::Exit(UP), 3);
+    let mut male = male(Gap::Safest);
+    let result = router.find(&graph, &mut male, 3);
     assert!(matches!(result, Err(RouteError::TooManySteps { most: 3, .. })), "{result:?}");
     let error = super::super::graph::GraphError::TooManyJunctions { has: 3, most: 2 };
     assert_eq!(graph.build(&section_4(), 2), Err(error));
@@ -335,9 +340,10 @@ fn is_simple(route: &[usize]) -> bool {
 
 /// The route is as long as its chain, and no other is shorter.
 fn check_shortest<const D: usize>(crowd: &Crowd<D>, gap: Gap<'_, D>, most: usize) {
-    let traveller = Traveller::body(&crowd.body, gap).expect("a traveller");
+    let end = End::Exit(crowd.exit);
+    let traveller = Translating::new(&crowd.body, gap, end).expect("a traveller");
     let (least, simple) = brute_force(crowd, gap, most);
-    match find(&crowd.channels, &traveller, End::Exit(crowd.exit)) {
+    match find(&crowd.channels, &traveller) {
         Ok((route, length)) => {
             assert_eq!(length_along(crowd, &route, gap), Some(length), "{route:?}");
             assert!(length <= least + 1e-9, "{route:?}: {length} > {least}");
@@ -384,8 +390,9 @@ fn check_chain_from_its_walls<const D: usize>(
             earlier.iter().all(|c| c.intersection(&crowd.channels[index]).is_none())
         })
         && crowd.channels.iter().all(|channel| channels.contains(channel));
-    let traveller = Traveller::body(&crowd.body, gap).expect("a traveller");
-    let (route, length) = find(&channels, &traveller, End::Exit(crowd.exit)).expect("a route");
+    let end = End::Exit(crowd.exit);
+    let traveller = Translating::new(&crowd.body, gap, end).expect("a traveller");
+    let (route, length) = find(&channels, &traveller).expect("a route");
     if same {
         let along: Vec<_> = route.iter().map(|index| channels[*index]).collect();
         prop_assert_eq!(&along, &crowd.channels);

@@ -1,73 +1,25 @@
-//! Who looks for a route.
+//! Who looks for a route, and how it moves.
 
-use super::RouteError;
-use crate::disassembly::Gap;
+use super::Search;
+use super::label::Label;
+use crate::free_space::{Corner, End};
 use crate::geometry::{AxisBox, Vector};
 
-/// Something that is to find its way: where it is, the room it needs in a
-/// junction, and how near the corners it keeps.
+/// Something that is to find its way: where it is, where it is to go, and the room
+/// it needs in a junction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Traveller<const D: usize> {
     /// Its corners where it starts, metres; they may be the same.
     pub(super) least: Vector<D>,
     pub(super) greatest: Vector<D>,
-    /// A junction must be larger on every axis, metres.
-    needs: Vector<D>,
-    margin: Margin<D>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Margin<const D: usize> {
-    /// (3.1) must hold.
-    Gap(Vector<D>),
-    /// This part of the limit of (3.1).
-    Part(f64),
-    /// The limit of (3.1).
-    Middle,
-    /// This, or up to the middle.
-    UpTo(f64),
+    /// A junction must be larger on every axis, metres (condition 2.5).
+    pub(super) needs: Vector<D>,
+    /// The gap must be less than half of what is left then, metres (condition 3.1).
+    pub(super) gap: Vector<D>,
+    pub(super) end: End<D>,
 }
 
 impl<const D: usize> Traveller<D> {
-    /// A body in its assembled state that keeps this gap. Junctions where the gap
-    /// is not less than the limit of (3.1) are not passed. A gap per junction is
-    /// refused: which junctions there will be is not known.
-    pub fn body(body: &AxisBox<D>, gap: Gap<'_, D>) -> Result<Self, RouteError> {
-        let margin = match gap {
-            Gap::Uniform(gap) => Margin::Gap(Vector::repeat(gap)),
-            Gap::PerAxis(gaps) => Margin::Gap(gaps),
-            Gap::PerJunction(gaps) => return Err(RouteError::GapPerJunction { has: gaps.len() }),
-            Gap::Fraction(fraction) if !(fraction > 0.0 && fraction <= 1.0) => {
-                return Err(RouteError::FractionOutOfRange { fraction, least: 0.0, most: 1.0 });
-            }
-            Gap::Fraction(1.0) | Gap::Safest => Margin::Middle,
-            Gap::Fraction(fraction) => Margin::Part(fraction),
-        };
-        if let Margin::Gap(gaps) = margin {
-            for axis in 0..D {
-                let gap = gaps[axis];
-                if gap.is_nan() || gap <= 0.0 {
-                    return Err(RouteError::GapNotPositive { axis, gap, least: 0.0 });
-                }
-            }
-        }
-        Ok(Self { least: body.min(), greatest: body.max(), needs: body.size(), margin })
-    }
-
-    /// A robot whose centre is at `position`, that passes junctions larger than
-    /// `needs` on every axis (metres), and turns about corners on guiding circles
-    /// with this radius (equation 5.1).
-    ///
-    /// The route is the one with the shortest polyline through the points where
-    /// the bisector of each corner cuts its guiding circle (the middle of the arc
-    /// of a full quarter turn), or the middle of a junction that is too small for
-    /// that, and through every junction passed. It is not always the one with the
-    /// shortest taut path.
-    pub fn robot(position: Vector<D>, needs: Vector<D>, radius: f64) -> Self {
-        let margin = Margin::UpTo(radius * std::f64::consts::FRAC_1_SQRT_2);
-        Self { least: position, greatest: position, needs, margin }
-    }
-
     /// Its middle where it starts, metres.
     pub(super) fn center(&self) -> Vector<D> {
         (self.least + self.greatest) / 2.0
@@ -76,11 +28,7 @@ impl<const D: usize> Traveller<D> {
     /// What it is refused for along an axis of a junction of this extent: too small
     /// by (2.5), or by (3.1) for the gap.
     pub(super) fn fits_along(&self, axis: usize, extent: f64) -> bool {
-        let fits = extent > self.needs[axis];
-        match &self.margin {
-            Margin::Gap(gap) => fits && gap[axis] < (extent - self.needs[axis]) / 2.0,
-            _ => fits,
-        }
+        extent > self.needs[axis] && self.gap[axis] < (extent - self.needs[axis]) / 2.0
     }
 
     pub(super) fn fits(&self, junction: &AxisBox<D>) -> bool {
@@ -91,28 +39,64 @@ impl<const D: usize> Traveller<D> {
     /// The extent that a junction must exceed along an axis, without and with the
     /// gap asked for, metres.
     pub(super) fn needs_along(&self, axis: usize) -> (f64, f64) {
-        let needs = self.needs[axis];
-        match &self.margin {
-            Margin::Gap(gap) => (needs, needs + 2.0 * gap[axis]),
-            _ => (needs, needs),
-        }
+        (self.needs[axis], self.needs[axis] + 2.0 * self.gap[axis])
     }
 
     /// The gap asked for along an axis; 0 where it depends on the junction.
     pub(super) fn gap_along(&self, axis: usize) -> f64 {
-        match &self.margin {
-            Margin::Gap(gap) => gap[axis],
-            _ => 0.0,
-        }
+        self.gap[axis]
     }
+}
 
-    /// The gap it keeps in a junction; `None` for the middle.
-    pub(super) fn gap_in(&self, junction: &AxisBox<D>) -> Option<Vector<D>> {
-        match self.margin {
-            Margin::Gap(gap) => Some(gap),
-            Margin::Part(part) => Some((junction.size() - self.needs) / 2.0 * part),
-            Margin::Middle => None,
-            Margin::UpTo(most) => Some((junction.size() / 2.0).map(|half| half.min(most))),
-        }
+/// A step of the search: where it leads.
+#[derive(Debug, Clone, Copy)]
+pub struct Step<S> {
+    pub(super) state: S,
+    /// Length of the whole way there, metres.
+    pub(super) length: f64,
+    /// No way that begins so and leads to the end is shorter, metres.
+    pub(super) estimate: f64,
+}
+
+/// How a traveller moves from junction to junction.
+pub trait Motion<const D: usize> {
+    /// Where the traveller is after a step.
+    type State: Copy;
+
+    /// Who moves.
+    fn traveller(&self) -> &Traveller<D>;
+
+    /// The steps from a label (`NONE`: from the start) into a junction, as far as they
+    /// can be part of a shortest way.
+    fn enter(
+        &self,
+        search: &Search<'_, D>,
+        labels: &[Label<Self::State>],
+        from: u32,
+        corner: &Corner<D>,
+    ) -> [Option<Step<Self::State>>; 2];
+
+    /// The length of the whole way if the last step is from this label, out of the last
+    /// channel or to the goal, metres.
+    fn finish(
+        &self,
+        search: &Search<'_, D>,
+        labels: &[Label<Self::State>],
+        from: u32,
+    ) -> Option<f64>;
+
+    /// Compares a new label with those of the same slot, which begin with its `next`: marks
+    /// what is useless beside it; whether it is of use itself.
+    fn compare(&self, labels: &mut [Label<Self::State>], new: &Label<Self::State>) -> bool;
+
+    /// Rules out what blocks a route that ends with the label `last` (see
+    /// [`super::Judgement::Blocked`]); false if there is nothing to rule out.
+    fn avoid(
+        &mut self,
+        _labels: &[Label<Self::State>],
+        _last: u32,
+        _junction: Option<usize>,
+    ) -> bool {
+        false
     }
 }

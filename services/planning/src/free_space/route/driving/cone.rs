@@ -1,0 +1,65 @@
+//! Directions between two others.
+
+use crate::geometry::{Sign, Vector, unrotated};
+
+/// Directions that are farther out by no more count as within (sine of the angle).
+const ROUNDING: f64 = 1e-12;
+
+/// The directions counter-clockwise from one to another, no more than half a turn; or all.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// Unit vectors; zero: all directions.
+    low: Vector<2>,
+    high: Vector<2>,
+}
+
+/// The sine of the angle from `a` to `b`.
+fn cross(a: &Vector<2>, b: &Vector<2>) -> f64 {
+    unrotated(b, a).y
+}
+
+impl Cone {
+    /// All directions.
+    pub(super) const ALL: Self =
+        Self { low: Vector::<2>::new(0.0, 0.0), high: Vector::<2>::new(0.0, 0.0) };
+
+    /// The half turn from a direction on, in this sense.
+    pub(super) fn half(from: &Vector<2>, turn: Sign) -> Self {
+        match turn {
+            Sign::Positive => Self { low: *from, high: -from },
+            Sign::Negative => Self { low: -from, high: *from },
+        }
+    }
+
+    /// The narrowest around directions of which any two are less than half a turn apart.
+    pub(super) fn around<'a>(directions: impl Iterator<Item = &'a Vector<2>>) -> Self {
+        let cones = directions.map(|direction| Self { low: *direction, high: *direction });
+        let wider = |a: Self, b: Self| Self {
+            low: if cross(&a.low, &b.low) < 0.0 { b.low } else { a.low },
+            high: if cross(&a.high, &b.high) > 0.0 { b.high } else { a.high },
+        };
+        cones.reduce(wider).unwrap_or(Self::ALL)
+    }
+
+    pub(super) fn holds(&self, direction: &Vector<2>) -> bool {
+        cross(&self.low, direction) >= -ROUNDING && cross(direction, &self.high) >= -ROUNDING
+            // Not the other way about, at the edge of half a turn or of a narrow cone.
+            && (self.low + self.high).dot(direction) >= -ROUNDING
+    }
+
+    pub(super) fn contains(&self, other: &Self) -> bool {
+        self.holds(&other.low) && self.holds(&other.high)
+    }
+
+    /// The directions in both.
+    pub(super) fn common(&self, other: &Self) -> Option<Self> {
+        if *self == Self::ALL {
+            return Some(*other);
+        }
+        let later = |a: &Self, b: &Self| a.holds(&b.low).then_some(b.low);
+        let sooner = |a: &Self, b: &Self| a.holds(&b.high).then_some(b.high);
+        let low = later(self, other).or_else(|| later(other, self))?;
+        let high = sooner(self, other).or_else(|| sooner(other, self))?;
+        (cross(&low, &high) >= 0.0).then_some(Self { low, high })
+    }
+}

@@ -1,0 +1,133 @@
+//! A body that moves by the rules of table 1.
+
+use super::label::Label;
+use super::traveller::{Motion, Step, Traveller};
+use super::{RouteError, Search};
+use crate::disassembly::{Gap, out_of_the_mouth, target};
+use crate::free_space::{Corner, End};
+use crate::geometry::{AxisBox, Vector};
+
+/// A body that translates into every junction by a rule of table 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Translating<const D: usize> {
+    traveller: Traveller<D>,
+    margin: Margin,
+}
+
+/// The gap kept in a junction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Margin {
+    /// The traveller's; (3.1) must hold.
+    Gap,
+    /// This part of the limit of (3.1).
+    Part(f64),
+    /// The limit of (3.1).
+    Middle,
+}
+
+impl<const D: usize> Translating<D> {
+    /// A body in its assembled state that keeps this gap. Junctions where the gap
+    /// is not less than the limit of (3.1) are not passed. A gap per junction is
+    /// refused: which junctions there will be is not known.
+    pub fn new(body: &AxisBox<D>, gap: Gap<'_, D>, end: End<D>) -> Result<Self, RouteError> {
+        let (margin, gap) = match gap {
+            Gap::Uniform(gap) => (Margin::Gap, Vector::repeat(gap)),
+            Gap::PerAxis(gaps) => (Margin::Gap, gaps),
+            Gap::PerJunction(gaps) => return Err(RouteError::GapPerJunction { has: gaps.len() }),
+            Gap::Fraction(fraction) if !(fraction > 0.0 && fraction <= 1.0) => {
+                return Err(RouteError::FractionOutOfRange { fraction, least: 0.0, most: 1.0 });
+            }
+            Gap::Fraction(1.0) | Gap::Safest => (Margin::Middle, Vector::zeros()),
+            Gap::Fraction(fraction) => (Margin::Part(fraction), Vector::zeros()),
+        };
+        if margin == Margin::Gap {
+            for axis in 0..D {
+                let gap = gap[axis];
+                if gap.is_nan() || gap <= 0.0 {
+                    return Err(RouteError::GapNotPositive { axis, gap, least: 0.0 });
+                }
+            }
+        }
+        let (least, greatest) = (body.min(), body.max());
+        let traveller = Traveller { least, greatest, needs: body.size(), gap, end };
+        Ok(Self { traveller, margin })
+    }
+
+    /// The gap it keeps in a junction; `None` for the middle.
+    fn gap_in(&self, junction: &AxisBox<D>) -> Option<Vector<D>> {
+        match self.margin {
+            Margin::Gap => Some(self.traveller.gap),
+            Margin::Part(part) => Some((junction.size() - self.traveller.needs) / 2.0 * part),
+            Margin::Middle => None,
+        }
+    }
+
+    /// Where the path ends that comes from `from`.
+    fn destination(&self, search: &Search<'_, D>, from: &Vector<D>) -> Vector<D> {
+        let Traveller { least, greatest, .. } = &self.traveller;
+        match (self.traveller.end, &search.mouth) {
+            (End::Goal(goal), _) => goal - self.traveller.center(),
+            (End::Exit(_), Some(mouth)) => out_of_the_mouth((least, greatest), mouth, *from),
+            (End::Exit(_), None) => *from,
+        }
+    }
+}
+
+/// Displacement and length so far.
+fn so_far<const D: usize>(labels: &[Label<Vector<D>>], from: u32) -> (Vector<D>, f64) {
+    labels.get(from as usize).map_or((Vector::zeros(), 0.0), |label| (label.state, label.length))
+}
+
+impl<const D: usize> Motion<D> for Translating<D> {
+    /// The displacement from the assembled state, metres.
+    type State = Vector<D>;
+
+    fn traveller(&self) -> &Traveller<D> {
+        &self.traveller
+    }
+
+    fn enter(
+        &self,
+        search: &Search<'_, D>,
+        labels: &[Label<Vector<D>>],
+        from: u32,
+        corner: &Corner<D>,
+    ) -> [Option<Step<Vector<D>>>; 2] {
+        let Traveller { least, greatest, .. } = &self.traveller;
+        let (from, length) = so_far(labels, from);
+        let gap = self.gap_in(&corner.junction);
+        let (at, _) = target(corner, (least, greatest), gap.as_ref(), &from);
+        let length = length + (at - from).norm();
+        // What is missing to the mouth or the goal in a straight line.
+        let missing = (self.destination(search, &at) - at).norm();
+        [Some(Step { state: at, length, estimate: length + missing }), None]
+    }
+
+    fn finish(
+        &self,
+        search: &Search<'_, D>,
+        labels: &[Label<Vector<D>>],
+        from: u32,
+    ) -> Option<f64> {
+        let (from, length) = so_far(labels, from);
+        Some(length + (self.destination(search, &from) - from).norm())
+    }
+
+    /// The coordinate that a rule leaves alone in three dimensions depends on
+    /// everything before. So a way is beaten only if it is longer by more than the
+    /// difference of the two places, which the other could make up for at once.
+    fn compare(&self, labels: &mut [Label<Vector<D>>], new: &Label<Vector<D>>) -> bool {
+        let mut at = new.next;
+        while let Some(known) = labels.get_mut(at as usize) {
+            at = known.next;
+            if known.way == new.way && !known.beaten {
+                let apart = (known.state - new.state).abs().sum();
+                if known.length + apart <= new.length {
+                    return false;
+                }
+                known.beaten = new.length + apart <= known.length;
+            }
+        }
+        true
+    }
+}
