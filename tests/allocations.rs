@@ -11,7 +11,7 @@ use std::time::Instant;
 use bus::{Client, Server, ServerOptions, Wait};
 use integration_tests::{LONG, TestDomain, scene};
 use planner::Workspace;
-use schemas::message::{Choice, ClearanceWish, Gap, SceneRequest, Task};
+use schemas::message::{Choice, ClearanceWish, Gap, SceneRequest, Solid, Task};
 
 thread_local! {
     /// How many allocations this thread made while it was watched; none when it is not.
@@ -149,6 +149,26 @@ fn several_exits() {
     let one = wish(ClearanceWish::Safest);
     check_warm(&[SceneRequest { exit: vec![PlusZ], ..one.clone() }]);
     check_warm(&[SceneRequest { exit: vec![PlusZ, MinusZ], ..one }]);
+}
+
+#[test]
+fn free_spaces_by_turns() {
+    let part = wish(ClearanceWish::Safest);
+    let mut taller = part.clone();
+    taller.free_space.channels.as_mut().unwrap()[2].max = [5.0, 8.0].into();
+    let scenes = [part, taller];
+    check_warm(&scenes);
+    check_warm(&scenes.map(|mut scene| {
+        scene.free_space.in_order = false;
+        scene
+    }));
+
+    let part = scene("disassemble.json");
+    let mut thicker = part.clone();
+    let solids = thicker.free_space.solids.as_mut().unwrap();
+    let Solid::Polygon(points) = &mut solids[0] else { panic!("section 4 has a polygon") };
+    points[0] = [-1.0, -1.0].into();
+    check_warm(&[part, thicker]);
 }
 
 #[test]

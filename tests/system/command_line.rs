@@ -48,6 +48,7 @@ fn wrong_arguments_are_usage_errors() {
         ("plan", &["scene.json", "--format", "xml"]),
         ("plan", &["scene.json", "--timeout", "10"]),
         ("plan", &["scene.json", "--domain", ""]),
+        ("plan", &["scene.json", "--config", "planner.toml"]),
         ("recorder", &[]),
         ("recorder", &["-o", "run.mcap", "--flush", "soon"]),
         ("replay", &[]),

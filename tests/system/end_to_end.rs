@@ -83,6 +83,29 @@ fn every_scene_is_planned_recorded_and_replayed() {
 }
 
 #[test]
+fn a_recording_made_with_other_caps_replays_with_them() {
+    let test = TestDomain::new();
+    test.write("planner.toml", "cache = 0\n[caps]\nsamples = 100\ncells = 40");
+    let planner = test.planner(&["--config", "planner.toml"]);
+    let recorder = test.recorder("run.mcap", &[]);
+    let files = scene_files();
+    let files: Vec<_> = files.iter().map(|path| path.to_str().unwrap()).collect();
+    let planned = test.plan(&[&["--format", "json"], files.as_slice()].concat());
+    let local = ["--local", "--config", "planner.toml", "--format", "json"];
+    assert_eq!(planned, test.run("plan", &[&local, files.as_slice()].concat()));
+    for said in ["at most 100 can be had", "at most 40 are read"] {
+        assert!(planned.stdout.contains(said), "nothing is refused with {said:?}");
+    }
+    recorder.stop();
+    planner.stop();
+    let check = |arguments: &[&str]| test.run("replay", &[&["check"], arguments].concat()).code;
+    assert_eq!(check(&["run.mcap", "--config", "planner.toml"]), Some(0));
+    assert_eq!(check(&["run.mcap"]), Some(4), "other caps");
+    test.write("wrong.toml", "[caps]\nsamples = 0");
+    assert_eq!(check(&["run.mcap", "--config", "wrong.toml"]), Some(1));
+}
+
+#[test]
 fn solids_have_the_papers_channels_and_paths() {
     let test = TestDomain::new();
     let _planner = test.planner(&[]);

@@ -18,7 +18,8 @@ fn numbered(id: u64) -> SceneRequest {
 
 /// The reply that a scene must have.
 fn expected(key: RequestKey, scene: &SceneRequest) -> Reply {
-    planner::reply_to(&Request { key, sent_ns: 0, content: RequestContent::Scene(scene.clone()) })
+    let content = RequestContent::Scene(scene.clone());
+    planner::reply_to(&Request { key, sent_ns: 0, content }, &planner::Caps::default())
 }
 
 #[track_caller]
@@ -137,6 +138,11 @@ fn bad_settings_are_refused_by_name() {
     check(Some("tap_buffer = 0"), &["tap_buffer is 0", "from 1 to 1048576"]);
     check(Some("patience = -0.5"), &["patience is -0.5", "from 0 to 60"]);
     check(Some("patience = nan"), &["patience is NaN", "from 0 to 60"]);
+    check(Some("cache = -1"), &["cache", "-1"]);
+    check(Some("cache = 2000000000000"), &["cache is 2000000000000", "from 0 to 1099511627776"]);
+    check(Some("[caps]\nsamples = 1"), &["caps.samples is 1,", "from 2 to 1099511627776"]);
+    check(Some("[caps]\nchannels = 0"), &["caps.channels is 0", "from 1 to 2147483648"]);
+    check(Some("[caps]\ncolour = 1"), &["unknown field `colour`", "`route_steps`"]);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! From a request to its reply.
 
 mod assembly;
+mod cache;
 mod check;
 mod driving;
 mod free_space;
@@ -15,34 +16,37 @@ use schemas::message::{
 };
 use schemas::wire;
 
+use crate::Caps;
 use assembly::Assembly;
+use cache::Cache;
+pub use cache::CacheStats;
 use driving::Driving;
 use parts::{Collect, Parts};
 
-/// The most samples in one trajectory.
-pub const MOST_SAMPLES: u64 = 1_000_000;
+/// The default of what a workspace keeps, bytes.
+pub(crate) const CACHE_BYTES: usize = 256 << 20;
 
-/// The most answers to one request.
-const MOST_ANSWERS: u64 = 10_000;
-
-/// The memory that answering takes, kept from one request to the next. It holds no
-/// other state: what a workspace did before changes no reply.
+/// What answering takes, kept from one request to the next: memory, and a cache of what
+/// was made from free spaces. It holds no other state: what a workspace did before changes no reply.
 #[derive(Debug)]
 pub struct Workspace {
+    caps: Caps,
     scene: SceneRequest,
     answering: Answering,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Answering {
+    cache: Cache,
     plane: Assembly<2>,
     space: Assembly<3>,
     floor: Driving,
 }
 
 impl Default for Workspace {
+    /// With the defaults of the planner's configuration.
     fn default() -> Self {
-        Self { scene: SceneRequest::empty(), answering: Answering::default() }
+        Self::new(Caps::default(), CACHE_BYTES)
     }
 }
 
@@ -57,6 +61,23 @@ enum Wish<'a> {
 }
 
 impl Workspace {
+    /// An empty one, for requests that cost no more than `caps`. It keeps what it made from
+    /// free spaces in at most `cache` bytes.
+    pub fn new(caps: Caps, cache: usize) -> Self {
+        let answering = Answering {
+            cache: Cache::new(cache),
+            plane: Assembly::default(),
+            space: Assembly::default(),
+            floor: Driving::default(),
+        };
+        Self { caps, scene: SceneRequest::empty(), answering }
+    }
+
+    /// What was there already for the requests so far, and what is kept for the next.
+    pub fn cache_stats(&self) -> CacheStats {
+        self.answering.cache.stats()
+    }
+
     /// Answers a request as it lies in memory. Whatever is there, there is a reply.
     pub fn answer<S: PartSink>(
         &mut self,
@@ -65,16 +86,16 @@ impl Workspace {
         sink: &mut S,
     ) -> Result<(), S::Error> {
         let key = RequestKey { client: header.client, sequence: header.sequence };
-        let readable = convert::check_version(header).and_then(|()| {
-            convert::read_scene(header, cells, &mut self.scene)
-                .map_err(|malformed| convert::unreadable(&malformed))
-        });
+        let Self { caps, scene, answering } = self;
+        let readable = (caps.check_cells(cells.len()))
+            .and_then(|()| convert::check_version(header))
+            .and_then(|()| {
+                convert::read_scene(header, cells, scene)
+                    .map_err(|malformed| convert::unreadable(&malformed))
+            });
         match readable {
-            Ok(()) => self.answering.scene(key, &self.scene, sink),
-            Err(refusal) => {
-                let id = (header.given & wire::given::ID != 0).then_some(header.id);
-                Parts::new(key, id, 0, sink).refuse(&refusal, true)
-            }
+            Ok(()) => answering.scene(key, scene, caps, sink),
+            Err(refusal) => Self::refuse(header, &refusal, sink),
         }
     }
 
@@ -95,12 +116,18 @@ impl Answering {
         &mut self,
         key: RequestKey,
         scene: &SceneRequest,
+        caps: &Caps,
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        match self.try_scene(key, scene, sink) {
+        let sent = match self.try_scene(key, scene, caps, sink) {
             Ok(sent) => sent,
             Err(refusal) => Parts::new(key, scene.id, 0, sink).refuse(&refusal, true),
-        }
+        };
+        self.plane.release();
+        self.space.release();
+        self.floor.release();
+        self.cache.end_request();
+        sent
     }
 
     /// `Err`: the request as a whole is refused, and nothing has been sent.
@@ -108,18 +135,19 @@ impl Answering {
         &mut self,
         key: RequestKey,
         scene: &SceneRequest,
+        caps: &Caps,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
         let dimension = convert::dimension(scene)?;
         check::fields(scene)?;
-        let wishes = Wishes::of(&scene.clearance)?;
+        let wishes = Wishes::of(&scene.clearance, caps)?;
         match (scene.task, dimension) {
-            (Task::Drive, 2) => self.floor.answer(key, scene, &wishes, sink),
+            (Task::Drive, 2) => self.floor.answer(key, scene, &wishes, &mut self.cache, sink),
             (Task::Drive, _) => {
                 Err(Refusal::invalid("task", "task: robots drive in two dimensions"))
             }
-            (_, 2) => self.plane.answer(key, scene, &wishes, sink),
-            (_, _) => self.space.answer(key, scene, &wishes, sink),
+            (_, 2) => self.plane.answer(key, scene, &wishes, &mut self.cache, sink),
+            (_, _) => self.space.answer(key, scene, &wishes, &mut self.cache, sink),
         }
     }
 }
@@ -164,24 +192,25 @@ fn answer_each<'a, S: PartSink>(
     Ok(Ok(()))
 }
 
-/// The answers wished for.
+/// The answers wished for, and what they may cost.
 struct Wishes<'a> {
     clearance: &'a ClearanceWish,
     count: u32,
+    caps: &'a Caps,
 }
 
 impl<'a> Wishes<'a> {
-    fn of(clearance: &'a ClearanceWish) -> Result<Self, Refusal> {
+    fn of(clearance: &'a ClearanceWish, caps: &'a Caps) -> Result<Self, Refusal> {
         let (field, count) = match clearance {
             ClearanceWish::Each(choices) => ("clearance.each", choices.len() as u64),
             ClearanceWish::Curve(points) => ("clearance.curve", *points),
             _ => ("clearance", 1),
         };
-        if (1..=MOST_ANSWERS).contains(&count) {
-            return Ok(Self { clearance, count: count as u32 });
+        let most = caps.answers;
+        if (1..=most).contains(&count) {
+            return Ok(Self { clearance, count: count as u32, caps });
         }
-        let message =
-            format!("{field} asks for {count} answers, from 1 to {MOST_ANSWERS} can be had");
+        let message = format!("{field} asks for {count} answers, from 1 to {most} can be had");
         Err(Refusal::invalid(field, message))
     }
 
@@ -197,8 +226,8 @@ impl<'a> Wishes<'a> {
     /// Refuses a trajectory that would have too many samples, before any is made.
     fn check_samples(&self, profile: &Profile, sampling: Sampling) -> Result<(), Refused> {
         match profile.sample_count(sampling) {
-            samples if self.sampled() && samples > MOST_SAMPLES => {
-                Err(refuse::too_many_samples(samples).into())
+            samples if self.sampled() && samples > self.caps.samples => {
+                Err(refuse::too_many_samples(samples, self.caps.samples).into())
             }
             _ => Ok(()),
         }
@@ -229,13 +258,22 @@ impl<'a> Wishes<'a> {
     }
 }
 
-/// Answers a request in this process: the same answers, bit for bit, as a planner
-/// gives over the bus.
-pub fn reply_to(request: &Request) -> Reply {
-    let mut workspace = Workspace::default();
+/// Answers a request in this process: the same answers, bit for bit, as a planner with
+/// these caps gives over the bus. Nothing is kept from one request to the next.
+pub fn reply_to(request: &Request, caps: &Caps) -> Reply {
+    let mut workspace = Workspace::new(*caps, 0);
     let mut collect = Collect::default();
     let Ok(()) = match &request.content {
-        RequestContent::Scene(scene) => workspace.answering.scene(request.key, scene, &mut collect),
+        // By way of its memory, so that nothing is refused otherwise than over the bus.
+        RequestContent::Scene(scene) => {
+            let mut cells = Vec::new();
+            match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {
+                Ok(header) => workspace.answer(&header, &cells, &mut collect),
+                Err(refusal) => {
+                    Parts::new(request.key, scene.id, 0, &mut collect).refuse(&refusal, true)
+                }
+            }
+        }
         RequestContent::Unreadable { header, cells } => {
             workspace.answer(&convert::header_of(header), cells, &mut collect)
         }

@@ -7,6 +7,9 @@ use bus::{ReplyOptions, ServerOptions, Wait};
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::Caps;
+use crate::answer::CACHE_BYTES;
+
 /// The planner's settings; what a file does not say has its default.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -23,6 +26,11 @@ pub struct Config {
     pub tap_buffer: usize,
     /// Seconds for which a reply waits for a client that does not take it.
     pub patience: f64,
+    /// Bytes of what was made from free spaces that are kept for the next requests over the same;
+    /// 0: nothing is kept.
+    pub cache: usize,
+    /// What one request may cost: the table `[caps]`.
+    pub caps: Caps,
 }
 
 /// How the planner waits for requests.
@@ -93,6 +101,8 @@ impl Default for Config {
             max_recorders,
             tap_buffer,
             patience: reply.patience.as_secs_f64(),
+            cache: CACHE_BYTES,
+            caps: Caps::default(),
         }
     }
 }
@@ -117,8 +127,9 @@ impl Config {
             ("max_recorders", self.max_recorders as f64, 1.0, 16.0),
             ("tap_buffer", self.tap_buffer as f64, 1.0, 1_048_576.0),
             ("patience", self.patience, 0.0, 60.0),
+            ("cache", self.cache as f64, 0.0, (1_u64 << 40) as f64),
         ];
-        for (field, value, least, most) in bounds {
+        for (field, value, least, most) in bounds.into_iter().chain(self.caps.ranges()) {
             // A NaN lies in no range.
             if !(least..=most).contains(&value) {
                 let path = path.to_owned();
@@ -142,5 +153,15 @@ impl Config {
             },
             reply: ReplyOptions { patience: Duration::from_secs_f64(self.patience) },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_in_range() {
+        Config::default().check(Path::new("planner.toml")).unwrap();
     }
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use bus::{Domain, Server};
 use clap::Parser;
+use planner::CacheStats;
 use planner::config::Config;
 use planner::service::serve;
 use tracing_subscriber::EnvFilter;
@@ -23,6 +24,17 @@ Settings in FILE (TOML), with their defaults:
   max_recorders = 2        # recorders at a time
   tap_buffer = 1024        # messages that wait for a slow recorder
   patience = 0.1           # seconds that a reply waits for a client that does not take it
+  cache = 268435456        # bytes of channels, junctions and walls kept for requests over the
+                           # same free space; 0 keeps nothing
+  [caps]                   # what one request may cost; what would cost more is refused
+  cells = 67108864         # its size, in cells of 8 bytes (memory: some ten times as much)
+  answers = 10000          # answers to it (time)
+  samples = 1000000        # samples of each trajectory (time; 72 bytes of reply each)
+  pieces = 1048576         # boxes that its solids are cut into (memory: 200 bytes each)
+  channels = 262144        # channels made from its solids (memory: 100 bytes each)
+  channel_steps = 67108864 # boxes looked at for that (time: 10 ns each)
+  junctions = 4194304      # junctions of its channels (memory: 8 bytes each)
+  route_steps = 16777216   # pairs of junctions looked at for a route (time, memory)
 
 Diagnostics go to stderr; RUST_LOG chooses them (RUST_LOG=debug shows every request).
 Exit codes: 0 ended by a signal, 1 failure, 2 usage."
@@ -61,7 +73,15 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let domain = arguments.domain.unwrap_or_default();
     let mut server = Server::open(&domain, &config.server_options())?;
     tracing::info!(%domain, wait = ?config.wait, "ready");
-    let served = serve(&mut server);
-    tracing::info!(requests = served.requests, undelivered = served.undelivered, "done");
+    let served = serve(&mut server, &config);
+    let CacheStats { hits, misses, bytes, .. } = served.cache;
+    tracing::info!(
+        requests = served.requests,
+        undelivered = served.undelivered,
+        cache_hits = hits,
+        cache_misses = misses,
+        cache_bytes = bytes,
+        "done"
+    );
     Ok(())
 }

@@ -5,10 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bus::{Incoming, Server, Woken};
 use schemas::message::{ErrorCode, Refusal};
 
-use crate::Workspace;
-
-/// The largest request that is looked at, in cells of 8 bytes: 512 MiB.
-const MOST_CELLS: usize = 64 << 20;
+use crate::config::Config;
+use crate::{CacheStats, Workspace};
 
 /// After this many requests without a pause the loop looks for signals.
 const WITHOUT_PAUSE: u32 = 64;
@@ -20,11 +18,14 @@ pub struct Served {
     pub requests: u64,
     /// Replies that did not reach their client, because it had left or did not take them.
     pub undelivered: u64,
+    /// What the cache did; after a failure it begins anew.
+    pub cache: CacheStats,
 }
 
 /// Serves until SIGINT or SIGTERM.
-pub fn serve(server: &mut Server) -> Served {
-    let mut memory = Memory::default();
+pub fn serve(server: &mut Server, config: &Config) -> Served {
+    let workspace = workspace(config);
+    let mut memory = Memory { config, cells: Vec::new(), workspace };
     let mut served = Served::default();
     loop {
         let mut without_pause = 0;
@@ -36,35 +37,41 @@ pub fn serve(server: &mut Server) -> Served {
         }
         let pressed = without_pause == WITHOUT_PAUSE;
         if (pressed && server.terminated()) || server.wait() == Woken::Terminate {
-            return served;
+            return Served { cache: memory.workspace.cache_stats(), ..served };
         }
     }
 }
 
-#[derive(Default)]
-struct Memory {
+fn workspace(config: &Config) -> Workspace {
+    Workspace::new(config.caps, config.cache)
+}
+
+struct Memory<'a> {
+    config: &'a Config,
     cells: Vec<u64>,
     workspace: Workspace,
 }
 
-impl Memory {
+impl Memory<'_> {
     fn serve(&mut self, mut incoming: Incoming, served: &mut Served) {
         served.requests += 1;
         let cells = incoming.cells();
-        let header = match cells <= MOST_CELLS {
-            true => incoming.copy(&mut self.cells),
-            false => incoming.header(),
+        // What is too large is not even copied.
+        let readable = self.config.caps.check_cells(cells);
+        let header = match readable {
+            Ok(()) => incoming.copy(&mut self.cells),
+            Err(_) => incoming.header(),
         };
         let mut sink = incoming.reply();
-        let sent = if cells > MOST_CELLS {
-            Workspace::refuse(&header, &too_large(cells), &mut sink)
+        let sent = if let Err(refusal) = readable {
+            Workspace::refuse(&header, &refusal, &mut sink)
         } else {
             // A defect in planning must not take the service with it.
             let answered = catch_unwind(AssertUnwindSafe(|| {
                 self.workspace.answer(&header, &self.cells, &mut sink)
             }));
             answered.unwrap_or_else(|_| {
-                self.workspace = Workspace::default();
+                self.workspace = workspace(self.config);
                 let refusal =
                     Refusal::new(ErrorCode::Internal, "the planner failed at this request");
                 Workspace::refuse(&header, &refusal, &mut sink)
@@ -75,6 +82,7 @@ impl Memory {
                 client = header.client,
                 sequence = header.sequence,
                 cells,
+                cache = ?self.workspace.cache_stats(),
                 "answered"
             ),
             Err(error) => {
@@ -88,10 +96,4 @@ impl Memory {
             }
         }
     }
-}
-
-fn too_large(cells: usize) -> Refusal {
-    let message = format!("the request has {cells} cells of memory, at most {MOST_CELLS} are read");
-    let refusal = Refusal::invalid("request", message);
-    Refusal { needs: Some(cells as f64), has: Some(MOST_CELLS as f64), ..refusal }
 }

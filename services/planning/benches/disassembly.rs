@@ -3,7 +3,7 @@
 use divan::{Bencher, black_box};
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
-use planning::clearance::walls::Walls;
+use planning::clearance::walls::{Complement, Walls};
 use planning::disassembly::{Gap, Path, disassemble};
 use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
@@ -74,6 +74,7 @@ struct Memory {
     chain: Chain<2>,
     path: Path<2>,
     walls: Walls<2>,
+    complement: Complement<2>,
     each: Vec<Clearance<2>>,
 }
 
@@ -93,7 +94,8 @@ impl Memory {
     }
 
     fn complement(&mut self) {
-        self.walls.set_complement(self.chain.channels(), self.chain.mouth());
+        let Self { chain, walls, complement, .. } = self;
+        walls.set_complement(chain.channels(), chain.mouth(), complement);
     }
 }
 

@@ -3,7 +3,7 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use planning::clearance::rectangle::Footprint;
-use planning::clearance::walls::Walls;
+use planning::clearance::walls::{Complement, Walls};
 use planning::driving::{
     Corner, Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, curve, drive, route, safest,
 };
@@ -53,7 +53,7 @@ fn serpentine(corners: usize) -> Scene {
     let mut corners = Vec::new();
     corners_of(&chain, &mut corners);
     let mut walls = Walls::default();
-    walls.set_complement(&channels, None);
+    walls.set_complement(&channels, None, &mut Complement::default());
     Scene { channels, corners, walls, start, goal }
 }
 

@@ -57,7 +57,7 @@ impl Role {
 
 fn serve(domain: &Domain) -> Result<ExitCode, Error> {
     let mut server = Server::open(domain, &Config::default().server_options())?;
-    planner::service::serve(&mut server);
+    planner::service::serve(&mut server, &Config::default());
     Ok(ExitCode::SUCCESS)
 }
 

@@ -10,6 +10,8 @@ use bus::{CallError, Client, Domain, Wait};
 use clap::{Parser, ValueEnum};
 use plan::map::{self, MapError};
 use plan::output;
+use planner::Caps;
+use planner::config::{Config, ConfigError};
 use schemas::json;
 use schemas::message::{FreeSpace, Reply, Request, RequestContent, RequestKey, SceneRequest};
 use tracing_subscriber::EnvFilter;
@@ -42,6 +44,10 @@ struct Arguments {
     /// Plan in this process, without a planner: the same bytes
     #[arg(long)]
     local: bool,
+    /// The planner's configuration, for the caps on what a request may cost: the same bytes as
+    /// a planner with this file gives; nothing else in it matters here
+    #[arg(long, value_name = "FILE", requires = "local")]
+    config: Option<PathBuf>,
     /// How to print replies: tables, one JSON object per line, or rows of samples
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -90,6 +96,8 @@ enum Failure {
     #[error(transparent)]
     Map(#[from] MapError),
     #[error(transparent)]
+    Config(#[from] ConfigError),
+    #[error(transparent)]
     Connect(#[from] bus::ConnectError),
     #[error(transparent)]
     Call(#[from] CallError),
@@ -110,7 +118,10 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         arguments,
         map,
         planner: match arguments.local {
-            true => Planner::Local { sequence: 0 },
+            true => {
+                let config = arguments.config.as_deref().map(Config::read).transpose()?;
+                Planner::Local { caps: config.unwrap_or_default().caps, sequence: 0 }
+            }
             false => {
                 let domain = arguments.domain.clone().unwrap_or_default();
                 let connected = Client::connect(&domain, Wait::Hybrid);
@@ -146,7 +157,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
 }
 
 enum Planner {
-    Local { sequence: u64 },
+    Local { caps: Caps, sequence: u64 },
     Running(Box<Client>),
 }
 
@@ -158,11 +169,11 @@ impl Planner {
                 Err(CallError::Scene(refusal)) => Ok(refusal_to(scene.id, refusal)),
                 done => done,
             },
-            Self::Local { sequence } => {
+            Self::Local { caps, sequence } => {
                 let key = RequestKey { client: 0, sequence: *sequence };
                 *sequence += 1;
                 let content = RequestContent::Scene(scene.clone());
-                Ok(planner::reply_to(&Request { key, sent_ns: 0, content }))
+                Ok(planner::reply_to(&Request { key, sent_ns: 0, content }, caps))
             }
         }
     }

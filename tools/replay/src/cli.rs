@@ -6,6 +6,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use planner::Caps;
+use planner::config::Config;
 use recording::{Options, recover};
 use schemas::message::{Reply, Request};
 
@@ -47,6 +49,10 @@ enum Command {
         paths: Vec<PathBuf>,
         #[command(flatten)]
         compare: Compare,
+        /// The configuration of the planner that was recorded, for the caps on what a request
+        /// may cost; nothing else in it matters here
+        #[arg(long, value_name = "FILE")]
+        config: Option<PathBuf>,
         /// How the result is printed
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -136,7 +142,7 @@ impl Findings {
 }
 
 /// Runs the command line; `plan` is the planner.
-pub fn main(plan: impl Fn(&Request) -> Reply) -> ExitCode {
+pub fn main(plan: impl Fn(&Request, &Caps) -> Reply) -> ExitCode {
     let cli = Cli::parse();
     let mut out = BufWriter::new(io::stdout().lock());
     let mut findings = Findings::default();
@@ -165,17 +171,20 @@ fn complain(path: &Path, contents: &exchanges::Contents) {
 /// Runs one command: `Err` where something other than the recordings fails.
 fn run(
     command: Command,
-    plan: impl Fn(&Request) -> Reply,
+    plan: impl Fn(&Request, &Caps) -> Reply,
     findings: &mut Findings,
     out: &mut impl Write,
 ) -> io::Result<()> {
     match command {
-        Command::Check { paths, compare, format } => {
+        Command::Check { paths, compare, config, format } => {
+            let config = config.as_deref().map(Config::read).transpose();
+            let caps = config.map_err(io::Error::other)?.unwrap_or_default().caps;
+            let plan = |request: &Request| plan(request, &caps);
             let mut checked = Vec::new();
             for path in check::find(&paths)? {
                 let bar = progress(&path);
                 let file =
-                    check::check(&path, compare.tolerance(), &plan, |at| bar.set_position(at));
+                    check::check(&path, compare.tolerance(), plan, |at| bar.set_position(at));
                 bar.finish_and_clear();
                 complain(&path, &file.contents);
                 findings.of(&file.contents);

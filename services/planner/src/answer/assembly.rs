@@ -5,16 +5,17 @@ use std::mem;
 
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
-use planning::clearance::walls::Walls;
 use planning::disassembly::{self, DisassemblyError, Path, disassemble};
 use planning::free_space::route::Traveller;
 use planning::free_space::{Chain, End};
 use planning::geometry::{Direction, Sign, Vector};
+use planning::motion::Curve;
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Gap, Refusal, RequestKey, SceneRequest, Solid, Task};
+use schemas::message::{self, Gap, Refusal, RequestKey, SceneRequest, Task};
 use schemas::wire::ReplyHeader;
 
+use super::cache::Cache;
 use super::free_space::FreeSpace;
 use super::parts::{self, Parts};
 use super::refuse::{self, Axes, PLANE, SPACE};
@@ -24,10 +25,8 @@ use super::{Refused, Wish, Wishes, answer_each, check};
 #[derive(Debug, Default)]
 pub(super) struct Assembly<const D: usize> {
     body: Vec<Vector<2>>,
-    solid: Vec<Vector<2>>,
     free_space: FreeSpace<D>,
     chain: Chain<D>,
-    walls: Walls<D>,
     /// The exit at hand.
     exit: Option<Direction>,
     exits: Vec<Direction>,
@@ -56,32 +55,32 @@ impl Assembly<2> {
         key: RequestKey,
         scene: &SceneRequest,
         wishes: &Wishes,
+        cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        self.free_space.read(scene, &PLANE)?;
+        self.free_space.read(scene, &PLANE, wishes.caps, cache)?;
         match &scene.body {
             message::Body::Polygon(vertices) => {
                 let body = check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;
                 let terms = Terms::new(scene, PLANE, Body::from_polygon(&body))?;
-                self.push_solids(&terms)?;
-                let answered = self.answer_body(key, &terms, wishes, sink);
+                self.take_in_solids(&terms, cache)?;
+                let answered = self.answer_body(key, &terms, wishes, cache, sink);
                 self.body = body.into_vertices();
                 answered
             }
             message::Body::Box(sides) => {
                 let body = check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?;
                 let terms = Terms::new(scene, PLANE, Body::from_box(&body))?;
-                self.push_solids(&terms)?;
-                self.answer_body(key, &terms, wishes, sink)
+                self.take_in_solids(&terms, cache)?;
+                self.answer_body(key, &terms, wishes, cache, sink)
             }
             message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
         }
     }
 
-    fn push_solids(&mut self, terms: &Terms<2>) -> Result<(), Refusal> {
-        let Self { solid, walls, free_space, .. } = self;
+    fn take_in_solids(&mut self, terms: &Terms<2>, cache: &mut Cache) -> Result<(), Refusal> {
         let size = terms.body.bounds().size();
-        check::push_solids(terms.scene, &PLANE, solid, walls, free_space, size.as_slice())
+        self.free_space.take_in_solids(terms.scene, &PLANE, size.as_slice(), cache)
     }
 }
 
@@ -92,32 +91,16 @@ impl Assembly<3> {
         key: RequestKey,
         scene: &SceneRequest,
         wishes: &Wishes,
+        cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        self.free_space.read(scene, &SPACE)?;
-        if check::has_solids(scene) {
-            self.walls.clear();
-        }
-        for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
-            match solid {
-                Solid::Box(sides) => {
-                    let field = || format!("free_space.solids[{index}].box");
-                    let solid = check::axis_box(field, &SPACE, sides)?;
-                    self.walls.push_box(&solid);
-                    if self.free_space.is_made() {
-                        self.free_space.solids.push_box(solid);
-                    }
-                }
-                Solid::Polygon(_) => {
-                    return Err(check::flat(format!("free_space.solids[{index}].polygon")));
-                }
-            }
-        }
+        self.free_space.read(scene, &SPACE, wishes.caps, cache)?;
+        self.free_space.take_in_solids(scene, &SPACE, cache)?;
         match &scene.body {
             message::Body::Box(sides) => {
                 let body = check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?;
                 let terms = Terms::new(scene, SPACE, Body::from_box(&body))?;
-                self.answer_body(key, &terms, wishes, sink)
+                self.answer_body(key, &terms, wishes, cache, sink)
             }
             message::Body::Polygon(_) => Err(check::flat("body.polygon".to_owned())),
             message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
@@ -138,20 +121,26 @@ impl<'a, const D: usize> Terms<'a, D> {
 }
 
 impl<const D: usize> Assembly<D> {
-    /// Answers for a body that is checked, solid walls being in place.
+    /// Lets go of what belongs to the cache: the request has ended.
+    pub(super) fn release(&mut self) {
+        self.free_space.release();
+    }
+
+    /// Answers for a body that is checked, solids being taken in.
     fn answer_body<S: PartSink>(
         &mut self,
         key: RequestKey,
         terms: &Terms<D>,
         wishes: &Wishes,
+        cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
         self.set_exits(terms)?;
         if let [exit] = self.exits[..] {
-            self.prepare(terms, exit)?;
+            self.prepare(terms, exit, cache)?;
         }
         answer_each(key, terms.scene.id, wishes, sink, |index, last, parts| {
-            let exit = self.plan(terms, wishes, index)?;
+            let exit = self.plan(terms, wishes, index, cache)?;
             Ok(self.send(terms, exit, wishes.sampled(), last, parts))
         })
     }
@@ -170,33 +159,39 @@ impl<const D: usize> Assembly<D> {
     }
 
     /// Makes what all ways to an exit have in common.
-    fn prepare(&mut self, terms: &Terms<D>, exit: Direction) -> Result<(), Refusal> {
+    fn prepare(
+        &mut self,
+        terms: &Terms<D>,
+        exit: Direction,
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
         let free_space = &mut self.free_space;
         if free_space.is_made() {
             let body = terms.body.bounds();
-            let cavity = free_space.bounds().copied().or(free_space.solids.cavity(body, exit));
-            let Some(cavity) = cavity else {
+            let Some(cavity) = free_space.cavity(body, exit) else {
                 let message = "free_space.solids bound no cavity";
                 return Err(Refusal::invalid("free_space.solids", message));
             };
-            free_space.make(cavity, body.size())?;
+            free_space.make(cavity, body.size(), cache)?;
             check::mouth(&terms.axes, free_space.channels(), &cavity, exit)?;
         }
         self.exit = Some(exit);
-        if check::has_solids(terms.scene) {
-            self.walls.index();
-        }
-        if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit) }
+        if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit, cache) }
     }
 
     /// Makes the chain of the channels travelled, and the walls where they are the
     /// channels' complement.
-    fn build_chain(&mut self, terms: &Terms<D>, exit: Direction) -> Result<(), Refusal> {
+    fn build_chain(
+        &mut self,
+        terms: &Terms<D>,
+        exit: Direction,
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
         self.chain
             .build(self.free_space.travelled(), &terms.body.bounds().center(), End::Exit(exit))
             .map_err(|error| refuse::chain(&terms.axes, error))?;
         if !check::has_solids(terms.scene) {
-            self.walls.set_complement(self.free_space.channels(), self.chain.mouth());
+            self.free_space.wall_in(self.chain.mouth(), cache);
         }
         Ok(())
     }
@@ -208,14 +203,15 @@ impl<const D: usize> Assembly<D> {
         terms: &Terms<D>,
         wishes: &Wishes,
         index: u32,
+        cache: &mut Cache,
     ) -> Result<Option<message::Direction>, Refused> {
         let wish = wishes.get(index);
         let exit = match self.exits[..] {
             [_] => {
-                self.find_path(terms, wish, || wishes.field(index))?;
+                self.find_path(terms, wish, cache, || wishes.field(index))?;
                 None
             }
-            _ => Some(self.shortest(terms, wish, || wishes.field(index))?),
+            _ => Some(self.shortest(terms, wish, cache, || wishes.field(index))?),
         };
         let Self { path, clearances, clearance, .. } = self;
         if terms.scene.task == Task::Assemble {
@@ -235,15 +231,16 @@ impl<const D: usize> Assembly<D> {
         &mut self,
         terms: &Terms<D>,
         wish: Wish,
+        cache: &mut Cache,
         field: impl Fn() -> String + Copy,
     ) -> Result<message::Direction, Refused> {
         let mut best: Option<(f64, usize)> = None;
         let mut first_refusal = None;
         for index in 0..self.exits.len() {
             let found = self
-                .prepare(terms, self.exits[index])
+                .prepare(terms, self.exits[index], cache)
                 .map_err(|refusal| Refused { refusal, whole: true })
-                .and_then(|()| self.find_path(terms, wish, field));
+                .and_then(|()| self.find_path(terms, wish, cache, field));
             match found {
                 Ok(()) if best.is_none_or(|(length, _)| self.path.length() < length) => {
                     best = Some((self.path.length(), index));
@@ -256,8 +253,8 @@ impl<const D: usize> Assembly<D> {
         }
         match (best, first_refusal) {
             (Some((_, index)), _) => {
-                self.prepare(terms, self.exits[index])?;
-                self.find_path(terms, wish, field)?;
+                self.prepare(terms, self.exits[index], cache)?;
+                self.find_path(terms, wish, cache, field)?;
                 Ok(terms.scene.exit[index])
             }
             (None, Some(refused)) => Err(refused),
@@ -270,10 +267,11 @@ impl<const D: usize> Assembly<D> {
         &mut self,
         terms: &Terms<D>,
         wish: Wish,
+        cache: &mut Cache,
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
         let mut gaps = mem::take(&mut self.gaps);
-        let found = self.find_path_with(terms, wish, &mut gaps, field);
+        let found = self.find_path_with(terms, wish, &mut gaps, cache, field);
         self.gaps = gaps;
         found
     }
@@ -284,6 +282,7 @@ impl<const D: usize> Assembly<D> {
         terms: &Terms<D>,
         wish: Wish,
         memory: &mut Vec<Vector<D>>,
+        cache: &mut Cache,
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
         let gap = match wish {
@@ -312,7 +311,7 @@ impl<const D: usize> Assembly<D> {
         if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
             let traveller = || Traveller::body(terms.body.bounds(), gap);
             self.free_space.find(&terms.axes, &field, traveller, End::Exit(exit))?;
-            self.build_chain(terms, exit)?;
+            self.build_chain(terms, exit, cache)?;
         }
         disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path).map_err(|error| {
             let whole = matches!(
@@ -323,13 +322,32 @@ impl<const D: usize> Assembly<D> {
             );
             Refused { refusal: refuse::disassembly(&terms.axes, field(), error), whole }
         })?;
-        let Self { path, walls, clearances, .. } = self;
+        let Self { path, free_space, clearances, .. } = self;
+        let walls = free_space.walls();
         self.clearance = translating_clearance(&terms.body, walls, path.legs(), clearances);
-        // Channels can't be left (lemma 1); solids may stand in them.
-        match self.clearance.filter(|near| near.value <= 0.0 && check::has_solids(terms.scene)) {
-            Some(near) => Err(refuse::wall_in_the_way(&near).into()),
-            None => Ok(()),
+        match self.clearance {
+            Some(near) if near.value <= 0.0 && !self.is_contact(terms) => {
+                Err(refuse::wall_in_the_way(&near).into())
+            }
+            _ => Ok(()),
         }
+    }
+
+    /// Whether a clearance of 0 is no more than contact, because the body stays where no solid
+    /// is: in the channels (lemma 1 of docs/method.md) and, at the end, beyond the mouth.
+    fn is_contact(&self, terms: &Terms<D>) -> bool {
+        // All other walls are the channels' own sides.
+        if !check::has_solids(terms.scene) {
+            return true;
+        }
+        let walls = self.free_space.walls();
+        let Some(Curve::Line { to, .. }) = self.path.legs().last().map(|leg| leg.curve) else {
+            return true;
+        };
+        // Channels made from the solids are free of them.
+        let mut channels = self.chain.channels().iter();
+        (self.free_space.is_made() || channels.all(|channel| walls.is_free(channel)))
+            && walls.is_free(&terms.body.bounds().translated(&to))
     }
 
     fn send<S: PartSink>(

@@ -3,13 +3,11 @@
 
 use std::mem;
 
-use planning::clearance::walls::Walls;
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
 use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 
-use super::free_space::FreeSpace;
 use super::refuse::{self, Axes};
 
 /// Fields that do not go together.
@@ -84,44 +82,24 @@ pub(super) fn polygon(
     })
 }
 
-/// Fills `walls` with the scene's solids in the plane, and with the same what channels are
-/// to be made from, for a body of this size.
-pub(super) fn push_solids(
+/// Adds the scene's solids to `into`: boxes, checked, and polygons, which are not checked yet
+/// and whose field can be asked for.
+pub(super) fn push_solids<const D: usize, T>(
     scene: &SceneRequest,
     axes: &Axes,
-    memory: &mut Vec<Vector<2>>,
-    walls: &mut Walls<2>,
-    free_space: &mut FreeSpace<2>,
-    size: &[f64],
+    into: &mut T,
+    push_box: impl Fn(&mut T, &AxisBox<D>),
+    mut push_polygon: impl FnMut(&mut T, &dyn Fn() -> String, &[message::Vector]) -> Result<(), Refusal>,
 ) -> Result<(), Refusal> {
-    let slant = free_space.slant(size);
-    let solids = scene.free_space.solids.as_deref().unwrap_or_default();
-    // Without solids the walls may still be those of the same channels.
-    if !solids.is_empty() {
-        walls.clear();
-    }
-    for (index, solid) in solids.iter().enumerate() {
+    for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
         match solid {
             Solid::Box(sides) => {
                 let field = || format!("free_space.solids[{index}].box");
-                let solid = axis_box(field, axes, sides)?;
-                walls.push_box(&solid);
-                if slant.is_some() {
-                    free_space.solids.push_box(solid);
-                }
+                push_box(into, &axis_box(field, axes, sides)?);
             }
-            Solid::Polygon(vertices) => {
+            Solid::Polygon(points) => {
                 let field = || format!("free_space.solids[{index}].polygon");
-                let solid = polygon(field, vertices, memory)?;
-                walls.push_polygon(&solid);
-                if let Some(tolerance) = slant {
-                    let caps = FreeSpace::<2>::caps();
-                    free_space
-                        .solids
-                        .push_polygon(&solid, tolerance, &caps)
-                        .map_err(|error| refuse::solids(&field(), &error))?;
-                }
-                *memory = solid.into_vertices();
+                push_polygon(into, &field, points)?;
             }
         }
     }

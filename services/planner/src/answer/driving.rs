@@ -1,18 +1,18 @@
 //! Driving: the rectangular mobile robot through corridors (paper, section 5).
 
 use planning::clearance::rectangle::Footprint;
-use planning::clearance::walls::{Wall, Walls};
 use planning::driving::{
     self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
 };
 use planning::free_space::route::Traveller;
 use planning::free_space::{Chain, End};
-use planning::geometry::{AxisBox, Vector};
+use planning::geometry::Vector;
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{self, Body, Gap, Refusal, RequestKey, SceneRequest};
 use schemas::wire::ReplyHeader;
 
+use super::cache::Cache;
 use super::free_space::FreeSpace;
 use super::parts::{self, Parts};
 use super::refuse::{self, FLOOR};
@@ -21,11 +21,9 @@ use super::{Refused, Wish, Wishes, answer_each, check};
 /// Memory for driving tasks.
 #[derive(Debug, Default)]
 pub(super) struct Driving {
-    solid: Vec<Vector<2>>,
     free_space: FreeSpace<2>,
     chain: Chain<2>,
     corners: Vec<Corner>,
-    walls: Walls<2>,
     /// The gap at every corner of the answer at hand, metres.
     gaps: Vec<f64>,
     path: Path,
@@ -50,21 +48,20 @@ impl Driving {
         key: RequestKey,
         scene: &SceneRequest,
         wishes: &Wishes,
+        cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
         let terms = Terms::of(scene)?;
-        self.free_space.read(scene, &FLOOR)?;
-        let Self { solid, walls, free_space, .. } = self;
+        let free_space = &mut self.free_space;
+        free_space.read(scene, &FLOOR, wishes.caps, cache)?;
         let size = [terms.footprint.width(), terms.footprint.length()];
-        check::push_solids(scene, &FLOOR, solid, walls, free_space, &size)?;
+        free_space.take_in_solids(scene, &FLOOR, &size, cache)?;
         if free_space.is_made() {
             let bounds = *free_space.bounds().expect("checked: solids alone bound no floor");
-            push_inside(&bounds, walls);
-            free_space.make(bounds, Vector::repeat(terms.footprint.width()))?;
+            free_space.make(bounds, Vector::repeat(terms.footprint.width()), cache)?;
         }
-        match check::has_solids(scene) {
-            true => walls.index(),
-            false => walls.set_complement(free_space.channels(), None),
+        if !check::has_solids(scene) {
+            free_space.wall_in(None, cache);
         }
         if !self.free_space.is_routed() {
             self.build_chain(&terms)?;
@@ -75,6 +72,11 @@ impl Driving {
             self.plan(&terms, wishes, index, &mut safest)?;
             Ok(self.send(&terms, wishes.sampled(), last, parts))
         })
+    }
+
+    /// Lets go of what belongs to the cache: the request has ended.
+    pub(super) fn release(&mut self) {
+        self.free_space.release();
     }
 
     /// Makes the chain of the channels travelled, and its corners.
@@ -126,7 +128,7 @@ impl Driving {
             };
             self.find_route(terms, gap, || wishes.field(index))?;
         }
-        let Self { chain, corners, walls, gaps, path, profile, .. } = self;
+        let Self { chain, corners, free_space, gaps, path, profile, .. } = self;
         let channels = chain.channels();
         let task = Drive {
             footprint: terms.footprint,
@@ -136,7 +138,7 @@ impl Driving {
             first: channels[0],
             last: channels[channels.len() - 1],
             corners,
-            walls,
+            walls: free_space.walls(),
         };
         let refused = |error: DrivingError| refuse::driving(wishes.field(index), error);
         gaps.clear();
@@ -231,15 +233,6 @@ impl Terms {
             limits: check::limits(&scene.limits)?,
             sampling: check::sampling(scene.sampling)?,
         })
-    }
-}
-
-/// The sides of the bounds, seen from within.
-fn push_inside(bounds: &AxisBox<2>, walls: &mut Walls<2>) {
-    let (min, max) = (bounds.min(), bounds.max());
-    let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));
-    for (from, to) in [(min, right), (right, max), (left, max), (min, left)] {
-        walls.push(Wall { from, to });
     }
 }
 

@@ -1,40 +1,44 @@
 //! Where a body can move: channels as the request gives them or made from its solids,
-//! in travel order or as a route finds them.
+//! in travel order or as a route finds them; and the walls around.
 
-use planning::free_space::End;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use planning::clearance::walls::{Complement, Wall, Walls};
 use planning::free_space::graph::Graph;
 use planning::free_space::route::{RouteError, Router, Traveller};
-use planning::free_space::solids::{Caps, Solids};
-use planning::geometry::{AxisBox, Vector};
-use schemas::message::SceneRequest;
-use schemas::message::{self, Refusal};
+use planning::free_space::solids::Solids;
+use planning::free_space::{End, HalfSpace};
+use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 
+use super::cache::{Cache, Content, Kind};
 use super::refuse::{self, Axes};
 use super::{Refused, check};
-
-/// What a request may ask for: 2^20 boxes of solids, 2^18 channels, a second or so.
-const CAPS: Caps = Caps { pieces: 1 << 20, channels: 1 << 18, steps: 1 << 26 };
-
-/// The most junctions of all channels.
-const MOST_JUNCTIONS: usize = 1 << 22;
-
-/// The most pairs of junctions that a route is sought through.
-const MOST_STEPS: usize = 1 << 24;
+use crate::Caps;
 
 /// Slanted edges of solids are followed to this part of the body's least extent.
 const SLANT: f64 = 0.01;
 
-/// The channels of a request, and the ones travelled. Reusable memory: where a request has the
-/// free space of the last one, what was made from it is kept.
+/// The channels of a request, the ones travelled, and the walls. What takes long to make
+/// belongs to the cache, and is held while the request lasts.
 #[derive(Debug, Default)]
 pub(super) struct FreeSpace<const D: usize> {
+    caps: Caps,
     source: Source,
-    pub(super) solids: Solids<D>,
+    outline: Vec<Vector<2>>,
+    solids: Solids<D>,
     bounds: Option<AxisBox<D>>,
-    channels: Vec<AxisBox<D>>,
-    /// What `channels` were made from last.
-    made: Option<Made<D>>,
-    graph: Graph<D>,
+    /// As the request has them.
+    given: Vec<AxisBox<D>>,
+    /// Those made from solids.
+    made: Vec<AxisBox<D>>,
+    /// All channels and their junctions, unless the channels are in order.
+    graph: Option<Arc<Graph<D>>>,
+    walls: Option<Arc<Walls<D>>>,
+    /// Where the walls end, if they are the channels' complement.
+    mouth: Option<HalfSpace>,
+    complement: Complement<D>,
     router: Router<D>,
     travelled: Vec<AxisBox<D>>,
 }
@@ -51,18 +55,19 @@ enum Source {
     Solids,
 }
 
-#[derive(Debug, PartialEq)]
-struct Made<const D: usize> {
-    solids: Vec<AxisBox<D>>,
-    bounds: AxisBox<D>,
-    room: Vector<D>,
-}
-
 impl<const D: usize> FreeSpace<D> {
-    /// Reads channels and bounds; solids are pushed one by one after it.
-    pub(super) fn read(&mut self, scene: &SceneRequest, axes: &Axes) -> Result<(), Refusal> {
+    /// Reads channels and bounds; solids are taken in after it.
+    pub(super) fn read(
+        &mut self,
+        scene: &SceneRequest,
+        axes: &Axes,
+        caps: &Caps,
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
         let given = &scene.free_space;
-        self.solids.clear();
+        self.caps = *caps;
+        self.given.clear();
+        self.release();
         self.bounds = match &given.bounds {
             Some(bounds) => Some(check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds)?),
             None => None,
@@ -71,30 +76,29 @@ impl<const D: usize> FreeSpace<D> {
             self.source = Source::Solids;
             return Ok(());
         };
-        self.made = None;
-        self.channels.clear();
         for (index, sides) in channels.iter().enumerate() {
             let field = || format!("free_space.channels[{index}]");
-            self.channels.push(check::axis_box(field, axes, sides)?);
+            self.given.push(check::axis_box(field, axes, sides)?);
         }
         // There is but one order of one channel.
         self.source = match given.in_order || channels.len() == 1 {
             true => Source::InOrder,
             false => Source::Unordered,
         };
-        if self.source == Source::Unordered { self.connect() } else { Ok(()) }
+        if self.source == Source::Unordered {
+            cache.describe(Kind::Junctions, D).boxes(&self.given);
+            let graph = cache.get(|graph: &mut Graph<D>| {
+                let built = graph.build(&self.given, self.caps.junctions);
+                built.map_err(|error| refuse::solids("free_space.channels", &error))
+            })?;
+            self.graph = Some(graph);
+        }
+        Ok(())
     }
 
-    /// The tolerance for slanted solids beside a body of this size; `None` where no channels
-    /// are made from them.
-    pub(super) fn slant(&self, size: &[f64]) -> Option<f64> {
-        let least = size.iter().copied().fold(f64::INFINITY, f64::min);
-        (self.source == Source::Solids).then_some(SLANT * least)
-    }
-
-    /// How finely and how many boxes solids may be cut into.
-    pub(super) fn caps() -> Caps {
-        CAPS
+    /// Lets go of what belongs to the cache: the request has ended.
+    pub(super) fn release(&mut self) {
+        (self.graph, self.walls, self.mouth) = (None, None, None);
     }
 
     /// Whether the channels are made from the solids.
@@ -114,35 +118,64 @@ impl<const D: usize> FreeSpace<D> {
 
     /// All channels, as given or made.
     pub(super) fn channels(&self) -> &[AxisBox<D>] {
-        &self.channels
+        self.graph.as_deref().map_or(&self.given, Graph::channels)
+    }
+
+    /// What clearance is measured against.
+    pub(super) fn walls(&self) -> &Walls<D> {
+        self.walls.as_deref().expect("found before the first path")
+    }
+
+    /// Where to look for the channels of a cavity: within the bounds that the request gives, or
+    /// those of its solids.
+    pub(super) fn cavity(&self, body: &AxisBox<D>, exit: Direction) -> Option<AxisBox<D>> {
+        self.bounds.or_else(|| self.solids.cavity(body, exit))
     }
 
     /// Makes channels from the solids: all maximal boxes within `bounds` that are
     /// larger than `room` (metres).
-    pub(super) fn make(&mut self, bounds: AxisBox<D>, room: Vector<D>) -> Result<(), Refusal> {
-        let same = self.made.as_ref().is_some_and(|made| {
-            made.bounds == bounds && made.room == room && made.solids == self.solids.boxes()
-        });
-        if same {
-            return Ok(());
-        }
-        self.made = None;
-        self.solids
-            .channels(&bounds, &room, &CAPS, &mut self.channels)
-            .map_err(|error| refuse::solids("free_space.solids", &error))?;
-        self.connect()?;
-        self.made = Some(Made { solids: self.solids.boxes().to_vec(), bounds, room });
+    pub(super) fn make(
+        &mut self,
+        bounds: AxisBox<D>,
+        room: Vector<D>,
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
+        let Self { caps, solids, made, .. } = self;
+        let content = cache.describe(Kind::SolidsJunctions, D);
+        content.boxes(&[bounds]);
+        content.numbers(room.as_slice());
+        content.boxes(solids.boxes());
+        let graph = cache.get(|graph: &mut Graph<D>| {
+            solids
+                .channels(&bounds, &room, &caps.solids(), made)
+                .map_err(|error| refuse::solids("free_space.solids", &error))?;
+            graph
+                .build(made, caps.junctions)
+                .map_err(|error| refuse::solids("free_space.channels", &error))
+        })?;
+        self.graph = Some(graph);
         Ok(())
     }
 
-    /// Finds the junctions of all channels.
-    fn connect(&mut self) -> Result<(), Refusal> {
-        if self.graph.channels() == self.channels {
-            return Ok(());
+    /// Makes the channels' complement the walls, up to the mouth if there is one.
+    pub(super) fn wall_in(&mut self, mouth: Option<HalfSpace>, cache: &mut Cache) {
+        if self.walls.is_some() && self.mouth == mouth {
+            return;
         }
-        self.graph
-            .build(&self.channels, MOST_JUNCTIONS)
-            .map_err(|error| refuse::solids("free_space.channels", &error))
+        let channels = self.graph.as_deref().map_or(&self.given[..], Graph::channels);
+        let complement = &mut self.complement;
+        let content = cache.describe(Kind::ChannelsWalls, D);
+        content.word(u64::from(mouth.is_some()));
+        if let Some(HalfSpace { side, bound }) = mouth {
+            content.word((side.axis as u64) << 1 | u64::from(side.sign == Sign::Positive));
+            content.numbers(&[bound]);
+        }
+        content.boxes(channels);
+        let Ok(walls) = cache.get(|walls: &mut Walls<D>| {
+            walls.set_complement(channels, mouth, complement);
+            Ok::<_, Infallible>(())
+        });
+        (self.walls, self.mouth) = (Some(walls), mouth);
     }
 
     /// Finds the channels to travel: the traveller's shortest route.
@@ -153,18 +186,21 @@ impl<const D: usize> FreeSpace<D> {
         traveller: impl FnOnce() -> Result<Traveller<D>, RouteError>,
         end: End<D>,
     ) -> Result<(), Refused> {
-        let found = traveller()
-            .and_then(|traveller| self.router.find(&self.graph, &traveller, end, MOST_STEPS));
+        let most_steps = self.caps.route_steps;
+        let graph = self.graph.as_deref().expect("channels are in order, or connected");
+        let found =
+            traveller().and_then(|traveller| self.router.find(graph, &traveller, end, most_steps));
         found.map_err(|error| refuse::route(axes, field(), error))?;
         self.travelled.clear();
-        self.travelled.extend(self.router.route().iter().map(|channel| self.channels[*channel]));
+        let route = self.router.route().iter();
+        self.travelled.extend(route.map(|channel| graph.channels()[*channel]));
         Ok(())
     }
 
     /// The channels travelled, in travel order.
     pub(super) fn travelled(&self) -> &[AxisBox<D>] {
         match self.source {
-            Source::InOrder => &self.channels,
+            Source::InOrder => &self.given,
             Source::Unordered | Source::Solids => &self.travelled,
         }
     }
@@ -173,16 +209,125 @@ impl<const D: usize> FreeSpace<D> {
     pub(super) fn route(&self) -> impl ExactSizeIterator<Item = u64> {
         let in_order = !self.is_routed();
         let route = self.router.route();
-        let length = if in_order { self.channels.len() } else { route.len() };
+        let length = if in_order { self.given.len() } else { route.len() };
         (0..length).map(move |at| if in_order { at as u64 } else { route[at] as u64 })
     }
 
     /// The channels as the reply names them: those that were made.
     pub(super) fn named(&self) -> impl ExactSizeIterator<Item = message::AxisBox> {
-        let named = if self.is_made() { &self.channels[..] } else { &[] };
+        let named = if self.is_made() { self.channels() } else { &[] };
         named.iter().map(|channel| message::AxisBox {
             min: message::Vector::new(channel.min().as_slice()).expect("two or three numbers"),
             max: message::Vector::new(channel.max().as_slice()).expect("two or three numbers"),
         })
+    }
+}
+
+impl FreeSpace<2> {
+    /// Takes in the scene's solids, if it has any: as walls, and, where channels are to be made
+    /// from them for a body of this size, cut into boxes.
+    pub(super) fn take_in_solids(
+        &mut self,
+        scene: &SceneRequest,
+        axes: &Axes,
+        size: &[f64],
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
+        if !check::has_solids(scene) {
+            return Ok(());
+        }
+        let is_made = self.is_made();
+        let Self { caps, outline, solids, .. } = self;
+        // What is outside of a floor's bounds is wall.
+        let around = self.bounds.filter(|_| is_made && scene.task == Task::Drive);
+        let content = cache.describe(Kind::SolidsWalls, 2);
+        content.word(u64::from(around.is_some()));
+        content.boxes(around.as_slice());
+        describe_solids::<2>(scene, content);
+        let walls = cache.get(|walls: &mut Walls<2>| {
+            walls.clear();
+            check::push_solids(scene, axes, walls, Walls::push_box, |walls, field, points| {
+                let solid = check::polygon(field, points, outline)?;
+                walls.push_polygon(&solid);
+                *outline = solid.into_vertices();
+                Ok(())
+            })?;
+            if let Some(bounds) = &around {
+                push_inside(bounds, walls);
+            }
+            walls.index();
+            Ok(())
+        })?;
+        self.walls = Some(walls);
+        if is_made {
+            let tolerance = SLANT * size.iter().copied().fold(f64::INFINITY, f64::min);
+            solids.clear();
+            let push_box = |solids: &mut Solids<2>, solid: &_| solids.push_box(*solid);
+            check::push_solids(scene, axes, solids, push_box, |solids, field, points| {
+                let solid = check::polygon(field, points, outline)?;
+                let pushed = solids.push_polygon(&solid, tolerance, &caps.solids());
+                *outline = solid.into_vertices();
+                pushed.map_err(|error| refuse::solids(&field(), &error))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+impl FreeSpace<3> {
+    /// Takes in the scene's solids, if it has any; see [`FreeSpace::<2>::take_in_solids`].
+    pub(super) fn take_in_solids(
+        &mut self,
+        scene: &SceneRequest,
+        axes: &Axes,
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
+        if !check::has_solids(scene) {
+            return Ok(());
+        }
+        describe_solids::<3>(scene, cache.describe(Kind::SolidsWalls, 3));
+        let walls = cache.get(|walls: &mut Walls<3>| {
+            walls.clear();
+            check::push_solids(scene, axes, walls, Walls::push_box, |_, field, _| {
+                Err(check::flat(field()))
+            })?;
+            walls.index();
+            Ok(())
+        })?;
+        self.walls = Some(walls);
+        if self.is_made() {
+            let solids = &mut self.solids;
+            solids.clear();
+            let push_box = |solids: &mut Solids<3>, solid: &_| solids.push_box(*solid);
+            check::push_solids(scene, axes, solids, push_box, |_, field, _| {
+                Err(check::flat(field()))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn describe_solids<const D: usize>(scene: &SceneRequest, content: &mut Content) {
+    for solid in scene.free_space.solids.iter().flatten() {
+        match solid {
+            Solid::Box(sides) => {
+                content.word(0);
+                content.numbers(&sides.min.padded()[..D]);
+                content.numbers(&sides.max.padded()[..D]);
+            }
+            Solid::Polygon(vertices) => {
+                content.word(1 + vertices.len() as u64);
+                vertices.iter().for_each(|vertex| content.numbers(&vertex.padded()[..D]));
+            }
+        }
+    }
+}
+
+/// The sides of the bounds, seen from within.
+fn push_inside(bounds: &AxisBox<2>, walls: &mut Walls<2>) {
+    let (min, max) = (bounds.min(), bounds.max());
+    let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));
+    for (from, to) in [(min, right), (right, max), (left, max), (min, left)] {
+        walls.push(Wall { from, to });
     }
 }

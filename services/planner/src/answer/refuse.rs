@@ -11,7 +11,7 @@ use planning::geometry::{BoxError, Direction, Sign};
 use planning::trajectory::{LimitError, SamplingError};
 use schemas::message::{ErrorCode, Refusal};
 
-use super::{MOST_SAMPLES, Refused};
+use super::Refused;
 
 /// Which coordinate of a scene is which axis: 0 x, 1 y, 2 z.
 pub(super) type Axes = [u32; 3];
@@ -365,14 +365,13 @@ pub(super) fn sampling(error: SamplingError) -> Refusal {
     Refusal::invalid(format!("sampling.{field}"), format!("sampling.{error}"))
 }
 
-pub(super) fn too_many_samples(needs: u64) -> Refusal {
+pub(super) fn too_many_samples(needs: u64, most: u64) -> Refusal {
     let message = format!(
-        "the trajectory would have {needs} samples, at most {MOST_SAMPLES} can be had; sample \
-         less densely"
+        "the trajectory would have {needs} samples, at most {most} can be had; sample less densely"
     );
     Refusal {
         needs: Some(needs as f64),
-        has: Some(MOST_SAMPLES as f64),
+        has: Some(most as f64),
         ..Refusal::new(ErrorCode::TooManySamples, message)
     }
 }

@@ -5,6 +5,9 @@ use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Sign, Vector};
 
 mod complement;
+mod free;
+
+pub use complement::Complement;
 
 /// Up to as many walls there is no index: looking at all is faster.
 const FEW: usize = 64;
@@ -51,7 +54,6 @@ pub struct Walls<const D: usize> {
     walls: Vec<Wall<D>>,
     solids: Vec<Solid<D>>,
     tree: BoxTree<D>,
-    complement: complement::Scratch<D>,
 }
 
 impl<const D: usize> Walls<D> {
@@ -60,13 +62,11 @@ impl<const D: usize> Walls<D> {
         self.walls.clear();
         self.solids.clear();
         self.tree.clear();
-        self.complement.holds = false;
     }
 
     /// Adds a wall.
     pub fn push(&mut self, wall: Wall<D>) {
         self.tree.clear();
-        self.complement.holds = false;
         self.walls.push(wall);
     }
 
@@ -93,6 +93,12 @@ impl<const D: usize> Walls<D> {
             let walls = &self.walls;
             self.tree.build(walls.len(), |index| walls[index].bounds());
         }
+    }
+
+    /// The memory that it holds.
+    pub fn bytes(&self) -> usize {
+        let walls = self.walls.capacity() * size_of::<Wall<D>>();
+        walls + self.solids.capacity() * size_of::<Solid<D>>() + self.tree.bytes()
     }
 
     /// All walls, in the order in which they were added.
@@ -175,6 +181,20 @@ impl<const D: usize> Walls<D> {
             solid.is_box || polygon::contains(edges, &planar(point))
         };
         self.solids.iter().find(around).map(|solid| solid.walls.0)
+    }
+
+    /// Whether the interior of `space` is free: no wall passes through it, and it is
+    /// not inside of a solid. Contact, also within rounding (some 1e-14 of the
+    /// coordinates), leaves it free.
+    pub fn is_free(&self, space: &AxisBox<D>) -> bool {
+        let mut free = true;
+        self.nearest(&space.min(), &space.max(), |_, wall| {
+            free &= !free::passes_through(wall, space);
+            // Those that touch the box are all that can pass through it.
+            if free { 0.0 } else { -1.0 }
+        });
+        // With no wall in between, all of it is on one side of every surface.
+        free && self.solid_around(&space.center()).is_none()
     }
 }
 

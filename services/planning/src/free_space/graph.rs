@@ -66,6 +66,13 @@ impl<const D: usize> Graph<D> {
         &self.channels
     }
 
+    /// The memory that it holds.
+    pub fn bytes(&self) -> usize {
+        let channels = self.channels.capacity() * size_of::<AxisBox<D>>();
+        let numbers = self.begins.capacity() + self.neighbours.capacity();
+        channels + self.tree.bytes() + numbers * size_of::<u32>()
+    }
+
     /// How many junctions there are.
     pub fn junctions(&self) -> usize {
         self.neighbours.len() / 2

@@ -35,6 +35,13 @@ impl<const D: usize> BoxTree<D> {
         self.order.is_empty()
     }
 
+    /// The memory that it holds.
+    pub fn bytes(&self) -> usize {
+        let order = self.order.capacity() * size_of::<(u64, u32)>();
+        let levels = self.levels.capacity() * size_of::<usize>();
+        order + levels + self.nodes.capacity() * size_of::<Bounds<D>>()
+    }
+
     /// Indexes the boxes `0..count`, given by their least and greatest corners.
     /// At most `u32::MAX` of them.
     pub fn build(&mut self, count: usize, bounds: impl Fn(usize) -> Bounds<D>) {

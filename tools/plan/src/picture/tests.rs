@@ -20,7 +20,10 @@ const IN_SPACE: &str = r#"{ "task": "disassemble", "exit": ["+z", "+x"],
 fn planned(json: &str) -> (SceneRequest, Reply) {
     let scene = schemas::json::read_scene(json).expect("a scene");
     let content = RequestContent::Scene(scene.clone());
-    let reply = planner::reply_to(&Request { key: RequestKey::default(), sent_ns: 0, content });
+    let reply = planner::reply_to(
+        &Request { key: RequestKey::default(), sent_ns: 0, content },
+        &planner::Caps::default(),
+    );
     (scene, reply)
 }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::clearance::walls::Complement;
 use crate::disassembly::{Gap, Path, disassemble};
 use crate::free_space::random::{Scene, scenes};
 use crate::free_space::{Chain, End};
@@ -52,7 +53,7 @@ fn plan<const D: usize>(scene: &Scene<D>, gap: Gap<'_, D>) -> (Chain<D>, Path<D>
 
 fn complement<const D: usize>(chain: &Chain<D>) -> Walls<D> {
     let mut walls = Walls::default();
-    walls.set_complement(chain.channels(), chain.mouth());
+    walls.set_complement(chain.channels(), chain.mouth(), &mut Complement::default());
     walls
 }
 

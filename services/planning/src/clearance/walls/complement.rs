@@ -17,17 +17,13 @@ struct Piece<const D: usize> {
     max: Vector<D>,
 }
 
-/// Memory that is used again.
+/// Memory for [`Walls::set_complement`], used again.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Scratch<const D: usize> {
+pub struct Complement<const D: usize> {
     tree: BoxTree<D>,
     neighbours: Vec<usize>,
     /// All pieces found; behind them those of the side being worked on.
     pieces: Vec<Piece<D>>,
-    /// Whether the walls are the complement of these channels up to this mouth.
-    pub(super) holds: bool,
-    channels: Vec<AxisBox<D>>,
-    mouth: Option<HalfSpace>,
 }
 
 impl<const D: usize> Walls<D> {
@@ -38,15 +34,15 @@ impl<const D: usize> Walls<D> {
     /// A part of a side is wall unless a channel goes on behind it. Pieces in
     /// one plane are merged where they continue each other along the last axis,
     /// and sorted by axis, facing and position. Takes n log n for channels each
-    /// of which overlaps few others, and next to nothing where the walls are those
-    /// of the same channels and mouth already.
-    pub fn set_complement(&mut self, channels: &[AxisBox<D>], mouth: Option<HalfSpace>) {
-        let made = &self.complement;
-        if made.holds && made.mouth == mouth && made.channels == channels {
-            return;
-        }
+    /// of which overlaps few others.
+    pub fn set_complement(
+        &mut self,
+        channels: &[AxisBox<D>],
+        mouth: Option<HalfSpace>,
+        memory: &mut Complement<D>,
+    ) {
         self.clear();
-        let Scratch { tree, neighbours, pieces, .. } = &mut self.complement;
+        let Complement { tree, neighbours, pieces } = memory;
         pieces.clear();
         if channels.len() > FEW {
             tree.build(channels.len(), |index| (channels[index].min(), channels[index].max()));
@@ -92,10 +88,6 @@ impl<const D: usize> Walls<D> {
         }
         self.walls.extend(last.map(wall));
         self.index();
-        let made = &mut self.complement;
-        made.channels.clear();
-        made.channels.extend_from_slice(channels);
-        (made.holds, made.mouth) = (true, mouth);
     }
 }
 

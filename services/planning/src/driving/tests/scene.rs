@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use crate::clearance::rectangle::Footprint;
-use crate::clearance::walls::Walls;
+use crate::clearance::walls::{Complement, Walls};
 use crate::driving::limits::{balanced_gap, least_width};
 use crate::driving::{Corner, Drive, Goal, Pose, StartTurn, corners_of};
 use crate::free_space::{Chain, End};
@@ -36,7 +36,7 @@ impl Scene {
         let mut corners = Vec::new();
         corners_of(&chain, &mut corners);
         let mut walls = Walls::default();
-        walls.set_complement(channels, None);
+        walls.set_complement(channels, None, &mut Complement::default());
         Self {
             footprint: Footprint::new(1.0, 1.5).unwrap(),
             start,
