@@ -6,7 +6,7 @@ use std::mem;
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
 use planning::disassembly::{self, DisassemblyError, Path, disassemble};
-use planning::free_space::route::Traveller;
+use planning::free_space::route::{Judgement, Translating};
 use planning::free_space::{Chain, End};
 use planning::geometry::{Direction, Sign, Vector};
 use planning::motion::Curve;
@@ -25,7 +25,7 @@ use super::{Refused, Wish, Wishes, answer_each, check};
 #[derive(Debug, Default)]
 pub(super) struct Assembly<const D: usize> {
     body: Vec<Vector<2>>,
-    free_space: FreeSpace<D>,
+    free_space: FreeSpace<D, Translating<D>>,
     chain: Chain<D>,
     /// The exit at hand.
     exit: Option<Direction>,
@@ -309,8 +309,11 @@ impl<const D: usize> Assembly<D> {
             Wish::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
         };
         if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
-            let traveller = || Traveller::body(terms.body.bounds(), gap);
-            self.free_space.find(&terms.axes, &field, traveller, End::Exit(exit))?;
+            Translating::new(terms.body.bounds(), gap, End::Exit(exit))
+                .and_then(|mut body| {
+                    self.free_space.find(&mut body, |_, _, length| Judgement::Length(length))
+                })
+                .map_err(|error| refuse::route(&terms.axes, field(), error))?;
             self.build_chain(terms, exit, cache)?;
         }
         disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path).map_err(|error| {

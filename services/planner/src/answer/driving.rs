@@ -1,12 +1,13 @@
 //! Driving: the rectangular mobile robot through corridors (paper, section 5).
 
 use planning::clearance::rectangle::Footprint;
+use planning::clearance::walls::Walls;
 use planning::driving::{
     self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
 };
-use planning::free_space::route::Traveller;
+use planning::free_space::route::{self, Judgement, RouteError};
 use planning::free_space::{Chain, End};
-use planning::geometry::Vector;
+use planning::geometry::{AxisBox, Vector};
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{self, Body, Gap, Refusal, RequestKey, SceneRequest};
@@ -21,13 +22,32 @@ use super::{Refused, Wish, Wishes, answer_each, check};
 /// Memory for driving tasks.
 #[derive(Debug, Default)]
 pub(super) struct Driving {
-    free_space: FreeSpace<2>,
+    free_space: FreeSpace<2, route::Driving>,
+    course: Course,
+    /// For which gap the course was found; `None`: for any.
+    found_for: Option<Option<f64>>,
+    profile: Profile,
+}
+
+/// The way through the channels travelled, and what the robot does on it.
+#[derive(Debug, Default)]
+struct Course {
     chain: Chain<2>,
     corners: Vec<Corner>,
     /// The gap at every corner of the answer at hand, metres.
     gaps: Vec<f64>,
     path: Path,
-    profile: Profile,
+}
+
+/// The gaps that an answer is to keep, metres.
+#[derive(Debug, Clone, Copy)]
+enum Keep<'a> {
+    /// This one at every corner.
+    Gap(f64),
+    /// These.
+    Gaps(&'a [Gap]),
+    /// This part of the safest.
+    Part(f64),
 }
 
 /// What all answers to a request share.
@@ -63,9 +83,10 @@ impl Driving {
         if !check::has_solids(scene) {
             free_space.wall_in(None, cache);
         }
-        if !self.free_space.is_routed() {
-            self.build_chain(&terms)?;
+        if !free_space.is_routed() {
+            self.course.lead(free_space.travelled(), &terms)?;
         }
+        self.found_for = None;
 
         let mut safest = None;
         answer_each(key, scene.id, wishes, sink, |index, last, parts| {
@@ -79,35 +100,8 @@ impl Driving {
         self.free_space.release();
     }
 
-    /// Makes the chain of the channels travelled, and its corners.
-    fn build_chain(&mut self, terms: &Terms) -> Result<(), Refusal> {
-        let Self { chain, free_space, corners, .. } = self;
-        chain
-            .build(free_space.travelled(), &terms.start.position, End::Goal(terms.goal.position))
-            .map_err(|error| refuse::chain(&FLOOR, error))?;
-        corners_of(chain, corners);
-        Ok(())
-    }
-
-    /// Finds the channels to travel for a robot that is to keep this gap; none: any.
-    fn find_route(
-        &mut self,
-        terms: &Terms,
-        gap: Option<f64>,
-        field: impl Fn() -> String,
-    ) -> Result<(), Refused> {
-        let footprint = &terms.footprint;
-        // What the robot needs to turn (docs/method.md 6.4: R(g) < W), and its guiding circle (5.1).
-        let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));
-        let radius = footprint.width() / 2.0 + gap.unwrap_or(0.0);
-        let traveller =
-            || Ok(Traveller::robot(terms.start.position, Vector::repeat(needs), radius));
-        self.free_space.find(&FLOOR, field, traveller, End::Goal(terms.goal.position))?;
-        Ok(self.build_chain(terms)?)
-    }
-
-    /// Plans one answer; `path`, `gaps` and `profile` then hold it. `safest` is sought
-    /// once for all answers that want it.
+    /// Plans one answer; `course` and `profile` then hold it. `safest` is sought once for
+    /// all answers that want it.
     fn plan(
         &mut self,
         terms: &Terms,
@@ -115,56 +109,64 @@ impl Driving {
         index: u32,
         safest: &mut Option<f64>,
     ) -> Result<(), Refused> {
-        let wish = wishes.get(index);
-        if self.free_space.is_routed() {
-            let gap = match wish {
-                Wish::Gap(gap) => one_number(gap),
-                Wish::Gaps(_) => {
-                    let field = wishes.field(index);
-                    let message = format!("{field}: no gap per corner before the route is known");
-                    return Err(Refusal::invalid(field, message).into());
-                }
-                Wish::Safest | Wish::Fraction(_) => None,
-            };
-            self.find_route(terms, gap, || wishes.field(index))?;
-        }
-        let Self { chain, corners, free_space, gaps, path, profile, .. } = self;
-        let channels = chain.channels();
-        let task = Drive {
-            footprint: terms.footprint,
-            start: terms.start,
-            goal: terms.goal,
-            start_turn: terms.start_turn,
-            first: channels[0],
-            last: channels[channels.len() - 1],
-            corners,
-            walls: free_space.walls(),
+        let field = || wishes.field(index);
+        let keep = Keep::of(wishes.get(index), field)?;
+        let gap = match keep {
+            Keep::Gap(gap) => Some(gap),
+            Keep::Gaps(_) | Keep::Part(_) => None,
         };
-        let refused = |error: DrivingError| refuse::driving(wishes.field(index), error);
-        gaps.clear();
-        match wish {
-            Wish::Gap(gap) => {
-                let gap = one_number(gap).ok_or_else(|| wrong_gap(wishes.field(index)))?;
-                gaps.resize(corners.len(), gap);
+        if !self.free_space.is_routed() || self.found_for == Some(gap) {
+            let walls = self.free_space.walls();
+            self.course
+                .drive(terms, keep, walls, safest)
+                .map_err(|error| refuse::driving(field(), error))?;
+        } else {
+            if let Keep::Gaps(_) = keep {
+                let field = field();
+                let message = format!("{field}: no gap per corner before the route is known");
+                return Err(Refusal::invalid(field, message).into());
             }
-            Wish::Gaps(list) => {
-                for (corner, gap) in list.iter().enumerate() {
-                    let field = || format!("{}[{corner}]", wishes.field(index));
-                    gaps.push(one_number(*gap).ok_or_else(|| wrong_gap(field()))?);
-                }
-            }
-            wish @ (Wish::Safest | Wish::Fraction(_)) => {
-                let safest = match *safest {
-                    Some(safest) => safest,
-                    None => *safest.insert(driving::safest(&task, path).map_err(refused)?),
-                };
-                let fraction = if let Wish::Fraction(fraction) = wish { fraction } else { 1.0 };
-                gaps.resize(corners.len(), safest * fraction);
-            }
+            self.found_for = None;
+            self.find_course(terms, keep, gap, safest, field)?;
+            self.found_for = Some(gap);
         }
-        driving::drive(&task, Gaps::PerCorner(gaps), path).map_err(refused)?;
-        profile.plan(path.legs(), &terms.limits, Stops::AtTurns);
-        wishes.check_samples(profile, terms.sampling)
+        self.profile.plan(self.course.path.legs(), &terms.limits, Stops::AtTurns);
+        wishes.check_samples(&self.profile, terms.sampling)
+    }
+
+    /// Finds the channels to travel for a robot that is to keep this gap; none: any.
+    fn find_course(
+        &mut self,
+        terms: &Terms,
+        keep: Keep,
+        gap: Option<f64>,
+        safest: &mut Option<f64>,
+        field: impl Fn() -> String,
+    ) -> Result<(), Refused> {
+        let footprint = &terms.footprint;
+        // What the robot needs to turn (docs/method.md 6.4: R(g) < W), and its guiding circle (5.1).
+        let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));
+        let radius = footprint.width() / 2.0 + gap.unwrap_or(0.0);
+        let (start, goal) = (terms.start.position, terms.goal.position);
+        let mut robot = route::Driving::new(start, goal, Vector::repeat(needs), radius);
+        let Self { free_space, course, .. } = self;
+        let mut first = None;
+        let found = free_space.find(&mut robot, |channels, walls, _| {
+            *safest = None;
+            let refused = match course.lead(channels, terms) {
+                Ok(()) => match course.drive(terms, keep, walls, safest) {
+                    Ok(()) => return Judgement::Length(course.path.length()),
+                    Err(error) => (course.path.judgement(&error), refuse::driving(field(), error)),
+                },
+                Err(refusal) => (Judgement::Hopeless, refusal.into()),
+            };
+            first.get_or_insert(refused.1);
+            refused.0
+        });
+        found.map_err(|error| match (error, first) {
+            (RouteError::Blocked, Some(refused)) => refused,
+            (error, _) => refuse::route(&FLOOR, field(), error),
+        })
     }
 
     fn send<S: PartSink>(
@@ -174,7 +176,7 @@ impl Driving {
         last: bool,
         parts: &mut Parts<S>,
     ) -> Result<(), S::Error> {
-        let Self { path, gaps, profile, free_space, .. } = self;
+        let Self { course: Course { path, gaps, .. }, profile, free_space, .. } = self;
         let samples = sampled.then(|| profile.samples(path.legs(), terms.sampling));
         let legs = path.legs().iter().zip(path.leg_clearances());
         let lists = TrajectoryWriter {
@@ -192,6 +194,69 @@ impl Driving {
             parts::clearance(header, path.clearance().as_ref());
         };
         parts.trajectory(fill, lists, last)
+    }
+}
+
+impl<'a> Keep<'a> {
+    fn of(wish: Wish<'a>, field: impl Fn() -> String) -> Result<Self, Refusal> {
+        Ok(match wish {
+            Wish::Gap(gap) => Self::Gap(one_number(gap).ok_or_else(|| wrong_gap(field()))?),
+            Wish::Gaps(gaps) => {
+                for (corner, gap) in gaps.iter().enumerate() {
+                    one_number(*gap).ok_or_else(|| wrong_gap(format!("{}[{corner}]", field())))?;
+                }
+                Self::Gaps(gaps)
+            }
+            Wish::Safest => Self::Part(1.0),
+            Wish::Fraction(fraction) => Self::Part(fraction),
+        })
+    }
+}
+
+impl Course {
+    /// Makes the chain of the channels travelled, and its corners.
+    fn lead(&mut self, channels: &[AxisBox<2>], terms: &Terms) -> Result<(), Refusal> {
+        let Self { chain, corners, .. } = self;
+        chain
+            .build(channels, &terms.start.position, End::Goal(terms.goal.position))
+            .map_err(|error| refuse::chain(&FLOOR, error))?;
+        corners_of(chain, corners);
+        Ok(())
+    }
+
+    /// Drives along it.
+    fn drive(
+        &mut self,
+        terms: &Terms,
+        keep: Keep,
+        walls: &Walls<2>,
+        safest: &mut Option<f64>,
+    ) -> Result<(), DrivingError> {
+        let Self { chain, corners, gaps, path } = self;
+        let channels = chain.channels();
+        let task = Drive {
+            footprint: terms.footprint,
+            start: terms.start,
+            goal: terms.goal,
+            start_turn: terms.start_turn,
+            first: channels[0],
+            last: channels[channels.len() - 1],
+            corners,
+            walls,
+        };
+        gaps.clear();
+        match keep {
+            Keep::Gap(gap) => gaps.resize(corners.len(), gap),
+            Keep::Gaps(given) => gaps.extend(given.iter().copied().filter_map(one_number)),
+            Keep::Part(part) => {
+                let safest = match *safest {
+                    Some(safest) => safest,
+                    None => *safest.insert(driving::safest(&task, path)?),
+                };
+                gaps.resize(corners.len(), safest * part);
+            }
+        }
+        driving::drive(&task, Gaps::PerCorner(gaps), path)
     }
 }
 

@@ -4,17 +4,17 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use planning::clearance::walls::{Complement, Wall, Walls};
+use planning::clearance::walls::{Complement, Walls};
+use planning::free_space::HalfSpace;
 use planning::free_space::graph::Graph;
-use planning::free_space::route::{RouteError, Router, Traveller};
+use planning::free_space::route::{Judgement, Motion, RouteError, Router};
 use planning::free_space::solids::Solids;
-use planning::free_space::{End, HalfSpace};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 
 use super::cache::{Cache, Content, Kind};
+use super::check;
 use super::refuse::{self, Axes};
-use super::{Refused, check};
 use crate::Caps;
 
 /// Slanted edges of solids are followed to this part of the body's least extent.
@@ -22,8 +22,8 @@ const SLANT: f64 = 0.01;
 
 /// The channels of a request, the ones travelled, and the walls. What takes long to make
 /// belongs to the cache, and is held while the request lasts.
-#[derive(Debug, Default)]
-pub(super) struct FreeSpace<const D: usize> {
+#[derive(Debug)]
+pub(super) struct FreeSpace<const D: usize, M: Motion<D>> {
     caps: Caps,
     source: Source,
     outline: Vec<Vector<2>>,
@@ -39,7 +39,7 @@ pub(super) struct FreeSpace<const D: usize> {
     /// Where the walls end, if they are the channels' complement.
     mouth: Option<HalfSpace>,
     complement: Complement<D>,
-    router: Router<D>,
+    router: Router<D, M>,
     travelled: Vec<AxisBox<D>>,
 }
 
@@ -55,7 +55,27 @@ enum Source {
     Solids,
 }
 
-impl<const D: usize> FreeSpace<D> {
+impl<const D: usize, M: Motion<D>> Default for FreeSpace<D, M> {
+    fn default() -> Self {
+        Self {
+            caps: Caps::default(),
+            source: Source::default(),
+            outline: Vec::new(),
+            solids: Solids::default(),
+            bounds: None,
+            given: Vec::new(),
+            made: Vec::new(),
+            graph: None,
+            walls: None,
+            mouth: None,
+            complement: Complement::default(),
+            router: Router::default(),
+            travelled: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
     /// Reads channels and bounds; solids are taken in after it.
     pub(super) fn read(
         &mut self,
@@ -178,23 +198,22 @@ impl<const D: usize> FreeSpace<D> {
         (self.walls, self.mouth) = (Some(walls), mouth);
     }
 
-    /// Finds the channels to travel: the traveller's shortest route.
+    /// Finds the channels to travel: the shortest route that can be followed, as `judge`
+    /// finds out, given its channels and the walls.
     pub(super) fn find(
         &mut self,
-        axes: &Axes,
-        field: impl Fn() -> String,
-        traveller: impl FnOnce() -> Result<Traveller<D>, RouteError>,
-        end: End<D>,
-    ) -> Result<(), Refused> {
-        let most_steps = self.caps.route_steps;
-        let graph = self.graph.as_deref().expect("channels are in order, or connected");
-        let found =
-            traveller().and_then(|traveller| self.router.find(graph, &traveller, end, most_steps));
-        found.map_err(|error| refuse::route(axes, field(), error))?;
-        self.travelled.clear();
-        let route = self.router.route().iter();
-        self.travelled.extend(route.map(|channel| graph.channels()[*channel]));
-        Ok(())
+        motion: &mut M,
+        mut judge: impl FnMut(&[AxisBox<D>], &Walls<D>, f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        let Self { caps, graph, walls, router, travelled, .. } = self;
+        let graph = graph.as_deref().expect("channels are in order, or connected");
+        let no_walls = Walls::default();
+        let walls = walls.as_deref().unwrap_or(&no_walls);
+        router.find_judged(graph, motion, caps.route_steps, |route, length| {
+            travelled.clear();
+            travelled.extend(route.iter().map(|channel| graph.channels()[*channel]));
+            judge(travelled, walls, length)
+        })
     }
 
     /// The channels travelled, in travel order.
@@ -223,7 +242,7 @@ impl<const D: usize> FreeSpace<D> {
     }
 }
 
-impl FreeSpace<2> {
+impl<M: Motion<2>> FreeSpace<2, M> {
     /// Takes in the scene's solids, if it has any: as walls, and, where channels are to be made
     /// from them for a body of this size, cut into boxes.
     pub(super) fn take_in_solids(
@@ -253,7 +272,7 @@ impl FreeSpace<2> {
                 Ok(())
             })?;
             if let Some(bounds) = &around {
-                push_inside(bounds, walls);
+                walls.push_inside(bounds);
             }
             walls.index();
             Ok(())
@@ -274,8 +293,8 @@ impl FreeSpace<2> {
     }
 }
 
-impl FreeSpace<3> {
-    /// Takes in the scene's solids, if it has any; see [`FreeSpace::<2>::take_in_solids`].
+impl<M: Motion<3>> FreeSpace<3, M> {
+    /// Takes in the scene's solids, if it has any; as in two dimensions.
     pub(super) fn take_in_solids(
         &mut self,
         scene: &SceneRequest,
@@ -320,14 +339,5 @@ fn describe_solids<const D: usize>(scene: &SceneRequest, content: &mut Content) 
                 vertices.iter().for_each(|vertex| content.numbers(&vertex.padded()[..D]));
             }
         }
-    }
-}
-
-/// The sides of the bounds, seen from within.
-fn push_inside(bounds: &AxisBox<2>, walls: &mut Walls<2>) {
-    let (min, max) = (bounds.min(), bounds.max());
-    let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));
-    for (from, to) in [(min, right), (right, max), (left, max), (min, left)] {
-        walls.push(Wall { from, to });
     }
 }

@@ -269,7 +269,8 @@ pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
         RouteError::TooManySteps { .. } => {
             (Refusal::invalid("free_space", format!("free_space: {error}")), false)
         }
-        RouteError::FractionOutOfRange { .. } => {
+        // Those that are judged say what blocks them.
+        RouteError::Blocked | RouteError::FractionOutOfRange { .. } => {
             (Refusal::new(ErrorCode::Internal, error.to_string()), false)
         }
     };

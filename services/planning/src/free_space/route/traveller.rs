@@ -4,6 +4,7 @@ use super::Search;
 use super::label::Label;
 use crate::free_space::{Corner, End};
 use crate::geometry::{AxisBox, Vector};
+use std::fmt;
 
 /// Something that is to find its way: where it is, where it is to go, and the room
 /// it needs in a junction.
@@ -61,7 +62,7 @@ pub struct Step<S> {
 /// How a traveller moves from junction to junction.
 pub trait Motion<const D: usize> {
     /// Where the traveller is after a step.
-    type State: Copy;
+    type State: Copy + fmt::Debug;
 
     /// Who moves.
     fn traveller(&self) -> &Traveller<D>;
