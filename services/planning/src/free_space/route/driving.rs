@@ -53,11 +53,58 @@ pub enum Passage {
     },
 }
 
-/// What a straight line leaves.
-struct Root<'a> {
-    label: Option<&'a Label<Passage>>,
+/// What a straight line leaves: a circle, or the start.
+#[derive(Debug, Clone, Copy)]
+struct Root {
+    /// Its label; `NONE`: the start.
+    index: u32,
     circle: Circle,
+    /// Direction in which the path arrives there; none at the start.
+    arrival: Option<Vector<2>>,
+    /// Length up to there, metres.
+    length: f64,
+    /// Directions in which it can be left.
     cone: Cone,
+}
+
+impl Root {
+    /// Where the path arrives.
+    fn begin(&self) -> Vector<2> {
+        let Circle { center, signed_radius } = self.circle;
+        let normal = |arrival: Vector<2>| Vector::<2>::new(-arrival.y, arrival.x);
+        self.arrival.map_or(center, |arrival| center - normal(arrival) * signed_radius)
+    }
+
+    /// Length of the path that leaves it along a line, metres.
+    fn length_with(&self, line: &Tangent) -> f64 {
+        let Some(arrival) = &self.arrival else { return line.length };
+        let swept = angle(arrival, &line.direction, sense(&self.circle)).max(0.0);
+        self.length + self.circle.signed_radius.abs() * swept + line.length
+    }
+
+    /// The directions of lines that lead through a junction and pass its corner at more than
+    /// the guiding circle's radius.
+    fn cone_through(&self, junction: &AxisBox<2>, circle: &Circle) -> Option<Cone> {
+        let past = tangent(&self.circle, circle)?.direction;
+        let past = self.cone.common(&Cone::half(&past, sense(circle).opposite()))?;
+        let (min, max) = (junction.min(), junction.max());
+        let corners = [min, Vector::<2>::new(max.x, min.y), max, Vector::<2>::new(min.x, max.y)];
+        let lines = corners.map(|corner| tangent(&self.circle, &point(corner)));
+        let directions = lines.iter().flatten().map(|line| &line.direction);
+        if distance_to(junction, &self.circle.center) > self.circle.signed_radius.abs() {
+            return Cone::around(directions).common(&past);
+        }
+        // The start lies in the junction, or the arc leads into it or begins there; only
+        // where all of it lies ahead can the line not leave the arc before it can lead
+        // into it.
+        let Some(arrival) = &self.arrival else { return Some(past) };
+        let turn = sense(&self.circle);
+        let angles = directions.map(|direction| (angle(arrival, direction, turn), direction));
+        match angles.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((angle, first)) if angle > 0.0 => Cone::half(first, turn).common(&past),
+            _ => Some(past),
+        }
+    }
 }
 
 impl Driving {
@@ -71,69 +118,30 @@ impl Driving {
         Self { traveller, goal, radius, blocked: Vec::new() }
     }
 
-    /// The circle of a label that turns; the start where there is none.
-    fn circle(&self, label: Option<&Label<Passage>>) -> Circle {
-        match label.map(|label| &label.state) {
-            Some(Passage::Turning { circle, .. }) => *circle,
-            _ => point(self.traveller.least),
-        }
-    }
-
-    /// The line that the way to a label is on, or leaves its circle on, and the label of
-    /// the circle.
-    fn root<'a>(&self, labels: &'a [Label<Passage>], from: u32) -> (u32, Root<'a>) {
-        let (index, cone) = match labels.get(from as usize).map(|label| &label.state) {
-            None => (NONE, Cone::ALL),
-            Some(Passage::Straight { root, cone }) => (*root, *cone),
-            Some(Passage::Turning { circle, arrival, .. }) => {
-                (from, Cone::half(arrival, sense(circle)))
-            }
+    /// What the line leaves that the way to a label (`NONE`: the start) is on; `None` if
+    /// another way there has been found to be better.
+    fn root(&self, labels: &[Label<Passage>], from: u32) -> Option<Root> {
+        let label = labels.get(from as usize);
+        let (index, passed) = match label.map(|label| &label.state) {
+            Some(Passage::Straight { root, cone }) => (*root, Some(*cone)),
+            _ => (from, None),
         };
-        let label = labels.get(index as usize);
-        (index, Root { label, circle: self.circle(label), cone })
+        let Some((label, Passage::Turning { circle, arrival, .. })) =
+            labels.get(index as usize).map(|label| (label, &label.state))
+        else {
+            let (circle, cone) = (point(self.traveller.least), passed.unwrap_or(Cone::ALL));
+            return Some(Root { index: NONE, circle, arrival: None, length: 0.0, cone });
+        };
+        let cone = passed.unwrap_or_else(|| Cone::half(arrival, sense(circle)));
+        let (arrival, length) = (Some(*arrival), label.length);
+        (!label.beaten).then_some(Root { index, circle: *circle, arrival, length, cone })
     }
 
     /// The line from a root to a circle, if the cone holds it and it is not blocked.
-    fn line(&self, root: &Root<'_>, circle: &Circle) -> Option<Tangent> {
+    fn line(&self, root: &Root, circle: &Circle) -> Option<Tangent> {
         let line = tangent(&root.circle, circle)?;
         let open = self.blocked.is_empty() || !self.blocked.contains(&[root.circle, *circle]);
         (root.cone.holds(&line.direction) && open).then_some(line)
-    }
-
-    /// The directions of lines from a root that lead through a junction and pass its corner
-    /// at more than the guiding circle's radius.
-    fn cone_through(root: &Root<'_>, junction: &AxisBox<2>, circle: &Circle) -> Option<Cone> {
-        let past = tangent(&root.circle, circle)?.direction;
-        let past = root.cone.common(&Cone::half(&past, sense(circle).opposite()))?;
-        let (min, max) = (junction.min(), junction.max());
-        let corners = [min, Vector::<2>::new(max.x, min.y), max, Vector::<2>::new(min.x, max.y)];
-        let lines = corners.map(|corner| tangent(&root.circle, &point(corner)));
-        let directions = lines.iter().flatten().map(|line| &line.direction);
-        if distance_to(junction, &root.circle.center) > root.circle.signed_radius.abs() {
-            return Cone::around(directions).common(&past);
-        }
-        let Some(Passage::Turning { arrival, .. }) = root.label.map(|label| &label.state) else {
-            // The start lies in the junction.
-            return Some(past);
-        };
-        // The arc about the root's corner may lead into the junction itself, or begin there;
-        // only where all of it lies ahead can the line not leave the arc before it can lead
-        // into it.
-        let turn = sense(&root.circle);
-        let angles = directions.map(|direction| (angle(arrival, direction, turn), direction));
-        let first = angles.min_by(|a, b| a.0.total_cmp(&b.0));
-        match first {
-            Some((angle, direction)) if angle > 0.0 => Cone::half(direction, turn).common(&past),
-            _ => Some(past),
-        }
-    }
-
-    /// Length of the path that leaves a root along a line, metres.
-    fn length(&self, root: &Root<'_>, line: &Tangent) -> f64 {
-        let Some(label) = root.label else { return line.length };
-        let Passage::Turning { circle, arrival, .. } = &label.state else { return f64::NAN };
-        let arc = self.radius * angle(arrival, &line.direction, sense(circle)).max(0.0);
-        label.length + arc + line.length
     }
 
     /// Whether a way that turns about a corner is no longer than another: both arrive on
@@ -187,30 +195,24 @@ impl Motion<2> for Driving {
         from: u32,
         corner: &Corner<2>,
     ) -> [Option<Step<Passage>>; 2] {
-        let Some(rule) = TurnRule::of(corner.approach, corner.leaving) else { return [None; 2] };
-        let (index, root) = self.root(labels, from);
-        if root.label.is_some_and(|label| label.beaten) {
+        let (Some(rule), Some(root)) =
+            (TurnRule::of(corner.approach, corner.leaving), self.root(labels, from))
+        else {
             return [None; 2];
-        }
-        let center = rule.corner_of(&corner.junction);
+        };
+        let (junction, index) = (&corner.junction, root.index);
+        let center = rule.corner_of(junction);
         let circle = Circle { center, signed_radius: rule.turn.factor() * self.radius };
-
         let turning = self.line(&root, &circle).map(|line| {
-            let length = self.length(&root, &line);
+            let length = root.length_with(&line);
             let state = Passage::Turning { circle, arrival: line.direction, root: index };
             Step { state, length, estimate: length + (self.goal - line.to).norm() }
         });
-        let cone = Self::cone_through(&root, &corner.junction, &circle);
-        let straight = cone.map(|cone| {
-            let state = Passage::Straight { root: index, cone };
-            let (length, begin) = match root.label {
-                None => (0.0, root.circle.center),
-                // Where the path arrives on the circle.
-                Some(label) => (label.length, self.arrival_point(label)),
-            };
-            let [to, from] = [&begin, &self.goal].map(|end| distance_to(&corner.junction, end));
-            let estimate = length + (self.goal - begin).norm().max(to + from);
-            Step { state, length, estimate }
+        let straight = root.cone_through(junction, &circle).map(|cone| {
+            let (state, begin) = (Passage::Straight { root: index, cone }, root.begin());
+            let over = distance_to(junction, &begin) + distance_to(junction, &self.goal);
+            let estimate = root.length + over.max((self.goal - begin).norm());
+            Step { state, length: root.length, estimate }
         });
         [turning, straight]
     }
@@ -219,8 +221,8 @@ impl Motion<2> for Driving {
         if from == NONE && self.goal == self.traveller.least {
             return Some(0.0);
         }
-        let (_, root) = self.root(labels, from);
-        self.line(&root, &point(self.goal)).map(|line| self.length(&root, &line))
+        let root = self.root(labels, from)?;
+        self.line(&root, &point(self.goal)).map(|line| root.length_with(&line))
     }
 
     fn compare(&self, labels: &mut [Label<Passage>], new: &Label<Passage>) -> bool {
@@ -256,32 +258,20 @@ impl Motion<2> for Driving {
     }
 
     fn avoid(&mut self, labels: &[Label<Passage>], last: u32, junction: Option<usize>) -> bool {
-        let mut to = point(self.goal);
-        let (_, mut root) = self.root(labels, last);
+        let Some(Root { index: mut from, .. }) = self.root(labels, last) else { return false };
+        let mut line = [point(self.traveller.least), point(self.goal)];
         // The line that leads to the junction's corner, or passes it at a distance.
         let passed = junction.map_or(usize::MAX, |junction| junction + 1);
-        while let Some(label) = root.label
-            && label.junctions as usize >= passed
-            && let Passage::Turning { circle, root: before, .. } = &label.state
+        while let Some(label) = labels.get(from as usize)
+            && let Passage::Turning { circle, root, .. } = &label.state
         {
-            to = *circle;
-            let label = labels.get(*before as usize);
-            root = Root { label, circle: self.circle(label), cone: Cone::ALL };
-        }
-        self.blocked.push([root.circle, to]);
-        true
-    }
-}
-
-impl Driving {
-    /// Where the path arrives on the circle that a label turns about.
-    fn arrival_point(&self, label: &Label<Passage>) -> Vector<2> {
-        match &label.state {
-            Passage::Turning { circle, arrival, .. } => {
-                let normal = Vector::<2>::new(-arrival.y, arrival.x);
-                circle.center - normal * circle.signed_radius
+            if (label.junctions as usize) < passed {
+                line[0] = *circle;
+                break;
             }
-            Passage::Straight { .. } => self.traveller.least,
+            (from, line[1]) = (*root, *circle);
         }
+        self.blocked.push(line);
+        true
     }
 }
