@@ -180,7 +180,8 @@ impl<const D: usize> Assembly<D> {
                 return Err(Refusal::invalid("free_space.solids", message));
             };
             free_space.make(cavity, body.size())?;
-            check::mouth(&terms.axes, free_space.channels(), &cavity, exit)?;
+            let traveller = || Traveller::body(body, disassembly::Gap::Safest);
+            free_space.check_mouth(&terms.axes, &cavity, exit, traveller)?;
         }
         self.exit = Some(exit);
         if check::has_solids(terms.scene) {
@@ -238,7 +239,9 @@ impl<const D: usize> Assembly<D> {
         field: impl Fn() -> String + Copy,
     ) -> Result<message::Direction, Refused> {
         let mut best: Option<(f64, usize)> = None;
-        let mut first_refusal = None;
+        let mut first_refused = None;
+        // An exit that does not do is no matter if another does.
+        self.free_space.explains = false;
         for index in 0..self.exits.len() {
             let found = self
                 .prepare(terms, self.exits[index])
@@ -249,20 +252,17 @@ impl<const D: usize> Assembly<D> {
                     best = Some((self.path.length(), index));
                 }
                 Ok(()) => {}
-                Err(refused) => {
-                    first_refusal.get_or_insert(refused);
+                Err(_) => {
+                    first_refused.get_or_insert(index);
                 }
             }
         }
-        match (best, first_refusal) {
-            (Some((_, index)), _) => {
-                self.prepare(terms, self.exits[index])?;
-                self.find_path(terms, wish, field)?;
-                Ok(terms.scene.exit[index])
-            }
-            (None, Some(refused)) => Err(refused),
-            (None, None) => unreachable!("there is an exit, and it has a path or a refusal"),
-        }
+        self.free_space.explains = true;
+        let index = best.map(|(_, index)| index).or(first_refused).unwrap_or(0);
+        self.prepare(terms, self.exits[index])
+            .map_err(|refusal| Refused { refusal, whole: true })?;
+        self.find_path(terms, wish, field)?;
+        Ok(terms.scene.exit[index])
     }
 
     /// The path to the exit that is prepared, and its clearance.

@@ -10,7 +10,7 @@ use planning::free_space::{Chain, End};
 use planning::geometry::{AxisBox, Vector};
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Body, Gap, Refusal, RequestKey, SceneRequest};
+use schemas::message::{self, Body, ErrorCode, Gap, Refusal, RequestKey, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use super::free_space::FreeSpace;
@@ -100,7 +100,9 @@ impl Driving {
         let radius = footprint.width() / 2.0 + gap.unwrap_or(0.0);
         let traveller =
             || Ok(Traveller::robot(terms.start.position, Vector::repeat(needs), radius));
-        self.free_space.find(&FLOOR, field, traveller, End::Goal(terms.goal.position))?;
+        self.free_space
+            .find(&FLOOR, &field, traveller, End::Goal(terms.goal.position))
+            .map_err(|refused| with_less_gap(refused, footprint, gap, field))?;
         Ok(self.build_chain(terms)?)
     }
 
@@ -232,6 +234,30 @@ impl Terms {
             sampling: check::sampling(scene.sampling)?,
         })
     }
+}
+
+/// Where it is too narrow for a robot that keeps this gap, but not for the robot, the gap is
+/// at fault.
+fn with_less_gap(
+    refused: Refused,
+    footprint: &Footprint,
+    gap: Option<f64>,
+    field: impl Fn() -> String,
+) -> Refused {
+    let Refusal { code: ErrorCode::NoRoute, junction: Some(_), has: Some(width), .. } =
+        refused.refusal
+    else {
+        return refused;
+    };
+    let Some(gap) = gap.filter(|gap| *gap > 0.0) else { return refused };
+    let most = limits::greatest_gap(footprint, width);
+    let refusal = if width > limits::least_width(footprint) && most > 0.0 {
+        refuse::less_gap(field(), refused.refusal, gap, most)
+    } else {
+        refused.refusal
+    };
+    // Another gap may lead another way.
+    Refused { refusal, whole: false }
 }
 
 /// The sides of the bounds, seen from within.

@@ -12,6 +12,10 @@ use schemas::message::{self, Refusal};
 use super::refuse::{self, Axes};
 use super::{Refused, check};
 
+mod second_look;
+
+use second_look::SecondLook;
+
 /// What a request may ask for: 2^20 boxes of solids, 2^18 channels, a second or so.
 const CAPS: Caps = Caps { pieces: 1 << 20, channels: 1 << 18, steps: 1 << 26 };
 
@@ -37,6 +41,9 @@ pub(super) struct FreeSpace<const D: usize> {
     graph: Graph<D>,
     router: Router<D>,
     travelled: Vec<AxisBox<D>>,
+    /// Whether a refusal is to be as clear as can be; it takes time.
+    pub(super) explains: bool,
+    second_look: SecondLook<D>,
 }
 
 /// Where the channels come from.
@@ -63,6 +70,8 @@ impl<const D: usize> FreeSpace<D> {
     pub(super) fn read(&mut self, scene: &SceneRequest, axes: &Axes) -> Result<(), Refusal> {
         let given = &scene.free_space;
         self.solids.clear();
+        self.second_look.clear();
+        self.explains = true;
         self.bounds = match &given.bounds {
             Some(bounds) => Some(check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds)?),
             None => None,
@@ -120,6 +129,7 @@ impl<const D: usize> FreeSpace<D> {
     /// Makes channels from the solids: all maximal boxes within `bounds` that are
     /// larger than `room` (metres).
     pub(super) fn make(&mut self, bounds: AxisBox<D>, room: Vector<D>) -> Result<(), Refusal> {
+        self.second_look.prepare(bounds, room);
         let same = self.made.as_ref().is_some_and(|made| {
             made.bounds == bounds && made.room == room && made.solids == self.solids.boxes()
         });
@@ -153,9 +163,10 @@ impl<const D: usize> FreeSpace<D> {
         traveller: impl FnOnce() -> Result<Traveller<D>, RouteError>,
         end: End<D>,
     ) -> Result<(), Refused> {
-        let found = traveller()
-            .and_then(|traveller| self.router.find(&self.graph, &traveller, end, MOST_STEPS));
-        found.map_err(|error| refuse::route(axes, field(), error))?;
+        let traveller = traveller().map_err(|error| refuse::route(axes, field(), error))?;
+        self.router
+            .find(&self.graph, &traveller, end, MOST_STEPS)
+            .map_err(|error| self.refuse_route(axes, field(), error, &traveller, end))?;
         self.travelled.clear();
         self.travelled.extend(self.router.route().iter().map(|channel| self.channels[*channel]));
         Ok(())

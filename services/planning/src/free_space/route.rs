@@ -7,10 +7,13 @@ use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+mod blocked;
 mod error;
 mod refusal;
 mod traveller;
+mod widest;
 
+pub use blocked::{Blocked, Passage, Place, blocked};
 pub use error::RouteError;
 pub use traveller::Traveller;
 
