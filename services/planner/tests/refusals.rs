@@ -184,6 +184,30 @@ fn body_that_just_fills_its_place_is_told() {
 }
 
 #[test]
+fn body_without_room_anywhere_is_told() {
+    // A slit as wide as the body, which stands at its mouth.
+    let solids = [solid([0., 0.], [4., 4.]), solid([5., 0.], [8., 4.])];
+    let scene = format!(
+        r#"{{"task": "disassemble", "free_space": {{"solids": [{}],
+        "bounds": {{"min": [0, 0], "max": [8, 4]}}}},
+        "body": {{"box": {{"min": [4, 2.5], "max": [5, 4]}}}}, "clearance": "safest"}}"#,
+        solids.join(", ")
+    );
+    let message = "no route: the passage from (x 4, z 0) to (x 5, z 4) is 1 m wide along x, more \
+                   than 1 m are needed";
+    let numbers = (Some(0), Some(0), Some(1.0), Some(1.0));
+    check(&scene, ErrorCode::NoRoute, numbers, message);
+    // On a floor of its own height: there would be room beyond the mouth alone.
+    let scene = r#"{"task": "disassemble", "free_space": {"solids": [
+        {"box": {"min": [0, -1], "max": [8, 2.5]}}], "bounds": {"min": [0, 0], "max": [8, 4]}},
+        "body": {"box": {"min": [4, 2.5], "max": [5, 4]}}, "clearance": "safest"}"#;
+    let message = "no route: the free space has no channel larger than the body; the widest place \
+                   from (x 0, z 2.5) to (x 8, z 4) is 1.5 m wide along z, more than 1.5 m are needed";
+    let numbers = (None, Some(2), Some(1.5), Some(1.5));
+    check(scene, ErrorCode::NoRoute, numbers, message);
+}
+
+#[test]
 fn narrow_place_within_a_part_is_named() {
     let scene = disassemble(5., "", UP, ROOM, [6.75, 5.5]);
     let numbers = (Some(0), Some(2), Some(4.25), Some(4.0));
@@ -254,4 +278,22 @@ fn channels_that_are_apart_are_named() {
     let message = "no route: channels 0 and 1 are 0.25 m apart along z; joined by more than 1 m \
                    there they would open one";
     check(scene, ErrorCode::NoRoute, numbers, message);
+}
+
+#[test]
+fn wall_behind_many_pillars_is_named() {
+    let count = 40;
+    let place = |index: usize, other: usize| 3.0 * index as f64 + 0.125 * (other % 5) as f64 + 1.0;
+    let pillars = (0..count * count).map(|index| {
+        let (i, j) = (index / count, index % count);
+        let min = [place(i, 7 * i + 3 * j), place(j, 5 * i + 11 * j)];
+        solid(min, min.map(|at| at + 1.0))
+    });
+    let solids: Vec<_> = pillars.chain([solid([70., 0.], [70.25, 128.])]).collect();
+    let scene = drive(&solids.join(", "), [1., 0.5], [127., 127.5], r#""safest""#)
+        .replace("[8, 6]", "[128, 128]");
+    let refusal = refusal(&scene);
+    assert_eq!(refusal.code, ErrorCode::NoRoute, "{refusal:?}");
+    assert!(refusal.message.contains("a wall of solid 1600"), "{refusal:?}");
+    assert_eq!((refusal.axis, refusal.has), (Some(0), Some(-0.25)));
 }

@@ -66,14 +66,15 @@ impl<const D: usize> FreeSpace<D> {
             | RouteError::GoalOutside { .. }
             | RouteError::JunctionTooSmall { .. }
             | RouteError::Apart { .. }
-            | RouteError::Separate { .. } => self.look_again(axes, traveller, end),
+            | RouteError::Separate { .. }
+            // Given up; there may be none.
+            | RouteError::TooManySteps { .. } => self.look_again(axes, traveller, end),
             // Solids have nothing to do with these.
             RouteError::GapOutOfRange { .. }
             | RouteError::Parallel { .. }
             | RouteError::GapPerJunction { .. }
             | RouteError::GapNotPositive { .. }
-            | RouteError::FractionOutOfRange { .. }
-            | RouteError::TooManySteps { .. } => None,
+            | RouteError::FractionOutOfRange { .. } => None,
         };
         seen.unwrap_or_else(|| refuse::route(axes, field, error))
     }

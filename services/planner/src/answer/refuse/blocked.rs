@@ -60,10 +60,21 @@ pub(in super::super) fn blocked<const D: usize>(
         Blocked::NarrowGoal(passage) => {
             narrow_end(axes, "goal", ErrorCode::GoalOutsideFreeSpace, passage)
         }
+        Blocked::NoRoom(passage) => {
+            let message = format!(
+                "no route: the free space has no channel larger than the body; {}",
+                Narrow(axes, passage, "widest place")
+            );
+            let (needs, has) = (Some(passage.needs), Some(passage.has));
+            Refusal { axis: Some(axes[passage.axis]), needs, has, ..no_route(message) }
+        }
         Blocked::Narrow { passage, junction, others } => {
             let Passage { axis, needs, has, .. } = *passage;
-            let message =
-                format!("no route: {}{}", Narrow(axes, passage), Others("place", *others));
+            let message = format!(
+                "no route: {}{}",
+                Narrow(axes, passage, "passage"),
+                Others("place", *others)
+            );
             at_junction(axes, (*junction, axis), (needs, has), no_route(message))
         }
         Blocked::Wall { place, axis, thickness, needs, junction, others } => {
@@ -89,15 +100,15 @@ pub(in super::super) fn blocked<const D: usize>(
     Some(Refused { refusal, whole: true })
 }
 
-/// A passage in words.
-struct Narrow<'a, const D: usize>(&'a Axes, &'a Passage<D>);
+/// A passage, or what it is called, in words.
+struct Narrow<'a, const D: usize>(&'a Axes, &'a Passage<D>, &'static str);
 
 impl<const D: usize> fmt::Display for Narrow<'_, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(axes, Passage { place, axis, needs, has }) = self;
+        let Self(axes, Passage { place, axis, needs, has }, name) = self;
         write!(
             f,
-            "the passage {} is {} m wide along {}, more than {} m are needed",
+            "the {name} {} is {} m wide along {}, more than {} m are needed",
             Of(axes, place),
             Short(*has),
             letter(axes, *axis),
@@ -112,7 +123,7 @@ fn narrow_end<const D: usize>(
     code: ErrorCode,
     passage: &Passage<D>,
 ) -> Refusal {
-    let message = format!("no room at the {end}: {}", Narrow(axes, passage));
+    let message = format!("no room at the {end}: {}", Narrow(axes, passage, "passage"));
     let (needs, has) = (Some(passage.needs), Some(passage.has));
     Refusal { axis: Some(axes[passage.axis]), needs, has, ..Refusal::new(code, message) }
 }

@@ -29,6 +29,13 @@ pub struct Passage<const D: usize> {
     pub has: f64,
 }
 
+impl<const D: usize> Passage<D> {
+    /// Whether the traveller does not fit in; where it just does, it is not free to move.
+    fn is_too_narrow(&self) -> bool {
+        self.has < self.needs
+    }
+}
+
 /// Why a traveller does not come through between solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Blocked<const D: usize> {
@@ -40,6 +47,8 @@ pub enum Blocked<const D: usize> {
     NarrowStart(Passage<D>),
     /// At the goal it has no room: this is the widest place there.
     NarrowGoal(Passage<D>),
+    /// It has no room anywhere: this is the widest place.
+    NoRoom(Passage<D>),
     /// The widest way leads through here, and is nowhere narrower.
     Narrow {
         /// Where it is narrowest.
@@ -84,7 +93,21 @@ pub fn blocked<const D: usize>(
     end: End<D>,
     most_steps: usize,
 ) -> Option<Blocked<D>> {
-    let mut boxes = boxes.to_vec();
+    let on_the_way = on_the_way(boxes.to_vec(), bounds, room, traveller, end, most_steps);
+    on_the_way.or_else(|| {
+        let all = (0..boxes.len()).collect::<Vec<_>>();
+        no_room(boxes, &all, room).map(Blocked::NoRoom)
+    })
+}
+
+fn on_the_way<const D: usize>(
+    mut boxes: Vec<AxisBox<D>>,
+    bounds: &AxisBox<D>,
+    room: &Vector<D>,
+    traveller: &Traveller<D>,
+    end: End<D>,
+    most_steps: usize,
+) -> Option<Blocked<D>> {
     let inner = boxes.len();
     if let End::Exit(exit) = end {
         open_mouth(&mut boxes, bounds, exit, traveller.needs_along(exit.axis).1);
@@ -97,7 +120,7 @@ pub fn blocked<const D: usize>(
         let Traveller { least, greatest, .. } = *traveller;
         return Some(Blocked::StartTaken(Place { min: least, max: greatest }));
     }
-    if let Some(passage) = no_room(&boxes, &starts, room) {
+    if let Some(passage) = no_room(&boxes, &starts, room).filter(Passage::is_too_narrow) {
         return Some(Blocked::NarrowStart(passage));
     }
     let goals = match end {
@@ -108,7 +131,7 @@ pub fn blocked<const D: usize>(
         if goals.is_empty() {
             return Some(Blocked::GoalTaken(Place { min: goal, max: goal }));
         }
-        if let Some(passage) = no_room(&boxes, &goals, room) {
+        if let Some(passage) = no_room(&boxes, &goals, room).filter(Passage::is_too_narrow) {
             return Some(Blocked::NarrowGoal(passage));
         }
     }
@@ -173,7 +196,7 @@ fn no_room<const D: usize>(
         // The first of equals.
         let worst = (0..D).max_by(|a, b| lack(a).total_cmp(&lack(b)).then(b.cmp(a)));
         let axis = worst.unwrap_or(0);
-        if lack(&axis) <= 0.0 {
+        if lack(&axis) < 0.0 {
             return None;
         }
         if widest.is_none_or(|(least, _)| lack(&axis) < least) {
@@ -216,13 +239,14 @@ impl<const D: usize> Scene<'_, D> {
     /// A box that start and end both lie in, and that the body just fills.
     fn in_one_box(&self, way: &Way) -> Option<Blocked<D>> {
         let [index] = way.route[..] else { return None };
-        let free = &self.space.channels[index];
-        let Lack { change: Change::Junction, metres, axis } = self.space.lack_of(free) else {
+        let (free, room) = (&self.space.channels[index], self.space.room?);
+        let lack = self.space.lack_of(free);
+        if lack.change != Change::Junction {
             return None;
-        };
-        let has = free.size()[axis];
-        let place = self.within(&Place { min: free.min(), max: free.max() });
-        let passage = Passage { place, axis, needs: has + metres, has };
+        }
+        let (axis, place) = (lack.axis, Place { min: free.min(), max: free.max() });
+        let (place, needs, has) = (self.within(&place), room[axis], free.size()[axis]);
+        let passage = Passage { place, axis, needs, has };
         Some(Blocked::Narrow { passage, junction: 0, others: 0 })
     }
 
@@ -293,11 +317,11 @@ impl<const D: usize> Scene<'_, D> {
         rest
     }
 
-    /// How many places on the way are too narrow or walled, besides the worst. A
-    /// doorway is one place with two junctions.
+    /// How many places on the way are too narrow or walled, besides the worst. A doorway is
+    /// one place with two junctions, one after the other.
     fn other_places(&self, way: &Way) -> usize {
         let boxes = self.space.channels;
-        let mut places: Vec<Place<D>> = Vec::new();
+        let (mut count, mut last) = (0_usize, None);
         for (at, pair) in way.route.windows(2).enumerate() {
             let [first, second] = *pair else { continue };
             let lack = self.space.lack(&boxes[first], &boxes[second]);
@@ -306,11 +330,11 @@ impl<const D: usize> Scene<'_, D> {
                 Change::Gap | Change::Junction => self.passage(way, at, lack.axis),
                 Change::Wall => self.between(&boxes[first], &boxes[second]),
             };
-            if !places.contains(&place) {
-                places.push(place);
+            if last.replace(place) != Some(place) {
+                count += 1;
             }
         }
-        places.len().saturating_sub(1)
+        count.saturating_sub(1)
     }
 
     /// What two boxes have in common; along axes along which they are apart, what lies
