@@ -297,3 +297,23 @@ fn wall_behind_many_pillars_is_named() {
     assert!(refusal.message.contains("a wall of solid 1600"), "{refusal:?}");
     assert_eq!((refusal.axis, refusal.has), (Some(0), Some(-0.25)));
 }
+
+#[test]
+fn channels_wide_enough_but_for_the_gap_are_a_matter_of_the_gap() {
+    let scene = |gap: f64| {
+        format!(
+            r#"{{"task": "drive", "free_space": {{"channels": [{{"min": [0, 0], "max": [9, 2]}},
+            {{"min": [7, 0], "max": [8.5, 9]}}]}},
+            "body": {{"footprint": {{"width": 0.75, "length": 2}}}},
+            "start": {{"position": [2, 1], "heading": 0}}, "goal": {{"position": [7.75, 6]}},
+            "clearance": {{"each": [{gap}, 0.125]}}}}"#
+        )
+    };
+    let content = RequestContent::Scene(read_scene(&scene(0.5)).unwrap());
+    let reply = reply_to(&Request { key: RequestKey::default(), sent_ns: 0, content });
+    let answers = reply.answers.expect("an answer to each");
+    let refused = answers[0].as_ref().expect_err("too large a gap");
+    assert_eq!(refused.code, ErrorCode::GapOutOfRange);
+    assert_eq!((refused.has, refused.most), (Some(0.5), Some(f64::sqrt(1.25) - 0.75)));
+    assert!(answers[1].is_ok(), "{:?}", answers[1].as_ref().err());
+}
