@@ -175,8 +175,51 @@ fn what_would_open_a_way_is_said() {
     scene.free_space.channels.as_mut().unwrap()[1].max = [7.0, 4.4].into();
     let refusal = client.call(&scene, LONG).unwrap().answers.unwrap_err();
     assert_eq!(refusal.code, ErrorCode::NoRoute);
-    assert_eq!((refusal.axis, refusal.needs), (Some(2), Some(2.99)));
+    assert_eq!(
+        (refusal.junction, refusal.axis, refusal.needs),
+        (Some(0), Some(2), Some(2.99)),
+        "{refusal:?}"
+    );
     check_number("the junction's height", refusal.has.unwrap(), 2.4);
+}
+
+#[test]
+fn what_would_open_a_way_is_said_of_each_kind() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = test.connect();
+    let lines = std::fs::read_to_string(root().join("recordings/scenes/no-route.jsonl")).unwrap();
+    let scenes = lines.lines().map(|line| json::read_scene(line).unwrap());
+    let refusals: Vec<_> =
+        scenes.map(|scene| client.call(&scene, LONG).unwrap().answers.unwrap_err()).collect();
+
+    let (route, gap) = (ErrorCode::NoRoute, ErrorCode::GapOutOfRange);
+    let (body, goal) = (ErrorCode::BodyOutsideFreeSpace, ErrorCode::GoalOutsideFreeSpace);
+    let (x, y, z) = (Some(0), Some(1), Some(2));
+    // What each refusal names: axis, what is needed and what there is, and in words.
+    let expected = [
+        (route, z, Some(1.0), Some(-0.25), "channels 0 and 1 are 0.25 m apart along z"),
+        (route, x, Some(1.0), Some(0.75), "the junction of channels 0 and 2"),
+        (gap, x, None, Some(0.2), "less than 0.125 m along x"),
+        (route, y, Some(1.25), Some(0.5), "from (x 4, y 2) to (x 4.25, y 2.5) is 0.5 m wide"),
+        (gap, y, None, Some(0.5), "with a gap of less than 0.368033989 m, not 0.5 m"),
+        (route, x, Some(0.0), Some(-0.25), "a wall of solid 0 separates start and end, 0.25 m"),
+        (body, y, Some(0.75), Some(0.5), "no room at the start"),
+        (goal, x, None, Some(0.125), "the goal lies 0.125 m into solid 1 along x"),
+        (route, x, Some(2.5), Some(2.0), "from (x 1, z 6) to (x 3, z 7) is 2 m wide along x"),
+        (route, z, Some(4.25), Some(4.0), "from (x 1, z 2) to (x 7, z 6) is 4 m wide along z"),
+        (route, z, Some(0.0), Some(-0.5), "a wall of solid 1 separates start and end, 0.5 m"),
+        (body, x, None, Some(0.25), "the body's bounding box reaches 0.25 m into solid 0"),
+        (route, y, Some(0.875), Some(0.75), "to (x 2.5, y 1.75, z 2.5) is 0.75 m wide along y"),
+    ];
+    assert_eq!(refusals.len(), expected.len());
+    for (refusal, (code, axis, needs, has, says)) in refusals.iter().zip(expected) {
+        let found = (refusal.code, refusal.axis, refusal.needs, refusal.has);
+        assert_eq!(found, (code, axis, needs, has), "{refusal:?}");
+        assert!(refusal.message.contains(says), "{says}: {refusal:?}");
+        let at_junction = code == route || code == gap;
+        assert_eq!(refusal.junction.is_some(), at_junction, "{refusal:?}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::mem;
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
 use planning::disassembly::{self, DisassemblyError, Path, disassemble};
-use planning::free_space::route::{Judgement, Translating};
+use planning::free_space::route::{Judgement, Motion, Translating};
 use planning::free_space::{Chain, End};
 use planning::geometry::{Direction, Sign, Vector};
 use planning::motion::Curve;
@@ -173,7 +173,8 @@ impl<const D: usize> Assembly<D> {
                 return Err(Refusal::invalid("free_space.solids", message));
             };
             free_space.make(cavity, body.size(), cache)?;
-            check::mouth(&terms.axes, free_space.channels(), &cavity, exit)?;
+            let traveller = Translating::new(body, disassembly::Gap::Safest, End::Exit(exit));
+            free_space.check_mouth(&terms.axes, &cavity, exit, traveller.ok())?;
         }
         self.exit = Some(exit);
         if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit, cache) }
@@ -235,7 +236,9 @@ impl<const D: usize> Assembly<D> {
         field: impl Fn() -> String + Copy,
     ) -> Result<message::Direction, Refused> {
         let mut best: Option<(f64, usize)> = None;
-        let mut first_refusal = None;
+        let mut first_refused = None;
+        // An exit that does not do is no matter if another does.
+        self.free_space.explains = false;
         for index in 0..self.exits.len() {
             let found = self
                 .prepare(terms, self.exits[index], cache)
@@ -246,20 +249,17 @@ impl<const D: usize> Assembly<D> {
                     best = Some((self.path.length(), index));
                 }
                 Ok(()) => {}
-                Err(refused) => {
-                    first_refusal.get_or_insert(refused);
+                Err(_) => {
+                    first_refused.get_or_insert(index);
                 }
             }
         }
-        match (best, first_refusal) {
-            (Some((_, index)), _) => {
-                self.prepare(terms, self.exits[index], cache)?;
-                self.find_path(terms, wish, cache, field)?;
-                Ok(terms.scene.exit[index])
-            }
-            (None, Some(refused)) => Err(refused),
-            (None, None) => unreachable!("there is an exit, and it has a path or a refusal"),
-        }
+        self.free_space.explains = true;
+        let index = best.map(|(_, index)| index).or(first_refused).unwrap_or(0);
+        self.prepare(terms, self.exits[index], cache)
+            .map_err(|refusal| Refused { refusal, whole: true })?;
+        self.find_path(terms, wish, cache, field)?;
+        Ok(terms.scene.exit[index])
     }
 
     /// The path to the exit that is prepared, and its clearance.
@@ -309,11 +309,12 @@ impl<const D: usize> Assembly<D> {
             Wish::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
         };
         if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
-            Translating::new(terms.body.bounds(), gap, End::Exit(exit))
-                .and_then(|mut body| {
-                    self.free_space.find(&mut body, |_, _, length| Judgement::Length(length))
-                })
+            let mut body = Translating::new(terms.body.bounds(), gap, End::Exit(exit))
                 .map_err(|error| refuse::route(&terms.axes, field(), error))?;
+            let found = self.free_space.find(&mut body, |_, _, length| Judgement::Length(length));
+            found.map_err(|error| {
+                self.free_space.refuse_route(&terms.axes, field(), error, body.traveller())
+            })?;
             self.build_chain(terms, exit, cache)?;
         }
         disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path).map_err(|error| {

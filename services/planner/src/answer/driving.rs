@@ -5,12 +5,12 @@ use planning::clearance::walls::Walls;
 use planning::driving::{
     self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
 };
-use planning::free_space::route::{self, Judgement, RouteError};
+use planning::free_space::route::{self, Judgement, Motion, RouteError};
 use planning::free_space::{Chain, End};
 use planning::geometry::{AxisBox, Vector};
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Body, Gap, Refusal, RequestKey, SceneRequest};
+use schemas::message::{self, Body, ErrorCode, Gap, Refusal, RequestKey, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use super::cache::Cache;
@@ -165,7 +165,10 @@ impl Driving {
         });
         found.map_err(|error| match (error, first) {
             (RouteError::Blocked, Some(refused)) => refused,
-            (error, _) => refuse::route(&FLOOR, field(), error),
+            (error, _) => {
+                let refused = free_space.refuse_route(&FLOOR, field(), error, robot.traveller());
+                with_less_gap(refused, footprint, gap, field)
+            }
         })
     }
 
@@ -299,6 +302,30 @@ impl Terms {
             sampling: check::sampling(scene.sampling)?,
         })
     }
+}
+
+/// Where it is too narrow for a robot that keeps this gap, but not for the robot, the gap is
+/// at fault.
+fn with_less_gap(
+    refused: Refused,
+    footprint: &Footprint,
+    gap: Option<f64>,
+    field: impl Fn() -> String,
+) -> Refused {
+    let Refusal { code: ErrorCode::NoRoute, junction: Some(_), has: Some(width), .. } =
+        refused.refusal
+    else {
+        return refused;
+    };
+    let Some(gap) = gap.filter(|gap| *gap > 0.0) else { return refused };
+    let most = limits::greatest_gap(footprint, width);
+    let refusal = if width > limits::least_width(footprint) && most > 0.0 {
+        refuse::less_gap(field(), refused.refusal, gap, most)
+    } else {
+        refused.refusal
+    };
+    // Another gap may lead another way.
+    Refused { refusal, whole: false }
 }
 
 /// A robot keeps one gap from a corner, in all directions.

@@ -17,6 +17,10 @@ use super::check;
 use super::refuse::{self, Axes};
 use crate::Caps;
 
+mod second_look;
+
+use second_look::SecondLook;
+
 /// Slanted edges of solids are followed to this part of the body's least extent.
 const SLANT: f64 = 0.01;
 
@@ -41,6 +45,9 @@ pub(super) struct FreeSpace<const D: usize, M: Motion<D>> {
     complement: Complement<D>,
     router: Router<D, M>,
     travelled: Vec<AxisBox<D>>,
+    /// Whether a refusal is to be as clear as can be; it takes time.
+    pub(super) explains: bool,
+    second_look: SecondLook<D>,
 }
 
 /// Where the channels come from.
@@ -71,6 +78,8 @@ impl<const D: usize, M: Motion<D>> Default for FreeSpace<D, M> {
             complement: Complement::default(),
             router: Router::default(),
             travelled: Vec::new(),
+            explains: true,
+            second_look: SecondLook::default(),
         }
     }
 }
@@ -88,6 +97,8 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         self.caps = *caps;
         self.given.clear();
         self.release();
+        self.second_look.clear();
+        self.explains = true;
         self.bounds = match &given.bounds {
             Some(bounds) => Some(check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds)?),
             None => None,
@@ -160,7 +171,8 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         room: Vector<D>,
         cache: &mut Cache,
     ) -> Result<(), Refusal> {
-        let Self { caps, solids, made, .. } = self;
+        let Self { caps, solids, made, second_look, .. } = self;
+        second_look.prepare(bounds, room);
         let content = cache.describe(Kind::SolidsJunctions, D);
         content.boxes(&[bounds]);
         content.numbers(room.as_slice());

@@ -13,6 +13,10 @@ use schemas::message::{ErrorCode, Refusal};
 
 use super::Refused;
 
+mod blocked;
+
+pub(super) use blocked::blocked;
+
 /// Which coordinate of a scene is which axis: 0 x, 1 y, 2 z.
 pub(super) type Axes = [u32; 3];
 
@@ -35,6 +39,36 @@ impl fmt::Display for Short {
         }
         let text = format!("{:.9}", self.0);
         f.write_str(text.trim_end_matches('0').trim_end_matches('.'))
+    }
+}
+
+/// How many other junctions or places of a way would have to change.
+struct Others(&'static str, usize);
+
+impl fmt::Display for Others {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(what, count) = self;
+        match count {
+            0 => Ok(()),
+            1 => write!(f, "; 1 other {what} on that way is too small as well"),
+            _ => write!(f, "; {count} other {what}s on that way are too small as well"),
+        }
+    }
+}
+
+/// With the numbers of a junction.
+fn at_junction(
+    axes: &Axes,
+    (junction, axis): (usize, usize),
+    (needs, has): (f64, f64),
+    refusal: Refusal,
+) -> Refusal {
+    Refusal {
+        junction: Some(junction as u64),
+        axis: Some(axes[axis]),
+        needs: Some(needs),
+        has: Some(has),
+        ..refusal
     }
 }
 
@@ -203,18 +237,30 @@ pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
             let (needs, has) = (Some(goal), Some(end));
             (Refusal { axis: Some(axes[axis]), needs, has, ..refusal }, true)
         }
-        RouteError::JunctionTooSmall { first, second, axis, needs, has } => {
+        RouteError::JunctionTooSmall { first, second, junction, axis, needs, has, others } => {
             let message = format!(
                 "no route: the junction of channels {first} and {second} would open one, but it is \
-                 {} m wide along {}, more than {} m are needed",
+                 {} m wide along {}, more than {} m are needed{}",
                 Short(has),
                 letter(axes, axis),
-                Short(needs)
+                Short(needs),
+                Others("junction", others)
             );
-            let (needs, has) = (Some(needs), Some(has));
-            (Refusal { axis: Some(axes[axis]), needs, has, ..no_route(message) }, false)
+            (at_junction(axes, (junction, axis), (needs, has), no_route(message)), true)
         }
-        RouteError::GapOutOfRange { first, second, axis, gap, least, most } => {
+        RouteError::Apart { first, second, junction, axis, needs, apart, others } => {
+            let message = format!(
+                "no route: channels {first} and {second} are {} m apart along {}; joined by more \
+                 than {} m there they would open one{}",
+                Short(apart),
+                letter(axes, axis),
+                Short(needs),
+                Others("junction", others)
+            );
+            // A junction with less than no extent: what is missing is needs - has.
+            (at_junction(axes, (junction, axis), (needs, -apart), no_route(message)), true)
+        }
+        RouteError::GapOutOfRange { first, second, junction, axis, gap, least, most } => {
             let message = format!(
                 "no route with a gap of {} m: at the junction of channels {first} and {second} it \
                  must be greater than {} m and less than {} m along {}",
@@ -225,6 +271,7 @@ pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
             );
             let refusal = Refusal {
                 field: Some(field),
+                junction: Some(junction as u64),
                 axis: Some(axes[axis]),
                 has: Some(gap),
                 least: Some(least),
@@ -252,7 +299,8 @@ pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
         RouteError::Separate { reached, channels } => {
             let message = format!(
                 "no route: start and end lie in separate parts of the free space; {reached} of \
-                 {channels} channels hang together with the start"
+                 {channels} channels hang together with the start, and what lies between is too \
+                 much to look at"
             );
             let (needs, has) = (Some(channels as f64), Some(reached as f64));
             (Refusal { needs, has, ..no_route(message) }, true)
@@ -275,6 +323,26 @@ pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
         }
     };
     Refused { refusal, whole }
+}
+
+/// A way is too narrow for a robot with this gap, and wide enough with less.
+pub(super) fn less_gap(field: String, too_narrow: Refusal, gap: f64, most: f64) -> Refusal {
+    let message = format!(
+        "{}; with a gap of less than {} m, not {} m, it is wide enough",
+        too_narrow.message,
+        Short(most),
+        Short(gap)
+    );
+    Refusal {
+        code: ErrorCode::GapOutOfRange,
+        message,
+        field: Some(field),
+        needs: None,
+        has: Some(gap),
+        least: Some(0.0),
+        most: Some(most),
+        ..too_narrow
+    }
 }
 
 pub(super) fn driving(field: String, error: DrivingError) -> Refused {

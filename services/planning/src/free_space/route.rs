@@ -5,13 +5,16 @@ use super::{Corner, End, HalfSpace, all_axes, longest, mouth_of, proper, towards
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use std::collections::BinaryHeap;
 
+mod blocked;
 mod driving;
 mod error;
 mod label;
 mod refusal;
 mod translating;
 mod traveller;
+mod widest;
 
+pub use blocked::{Blocked, Passage, Place, blocked};
 pub use driving::Driving;
 pub use error::RouteError;
 pub use label::Label;

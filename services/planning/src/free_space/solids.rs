@@ -65,12 +65,15 @@ pub enum SolidsError {
 
 /// Solids, cut into boxes. Reusable memory.
 ///
-/// They may touch, overlap, and be given twice. It holds `16 D` bytes per box, and
+/// They may touch, overlap, and be given twice. It holds `16 D + 4` bytes per box, and
 /// from looking for channels `66 D + 16` more, and `16 D + 8` per box considered at
 /// one time besides the nodes of an index (16 bytes, at most 48 per such box).
 #[derive(Debug, Clone, Default)]
 pub struct Solids<const D: usize> {
     boxes: Vec<AxisBox<D>>,
+    /// Which solid each box is of, in the order in which they were added.
+    solids: Vec<u32>,
+    count: u32,
     sweep: Sweep<D>,
 }
 
@@ -78,6 +81,8 @@ impl<const D: usize> Solids<D> {
     /// Forgets all solids, keeping the memory.
     pub fn clear(&mut self) {
         self.boxes.clear();
+        self.solids.clear();
+        self.count = 0;
     }
 
     /// The boxes that the solids were cut into.
@@ -88,6 +93,38 @@ impl<const D: usize> Solids<D> {
     /// Adds a solid box.
     pub fn push_box(&mut self, solid: AxisBox<D>) {
         self.boxes.push(solid);
+        self.count_solid();
+    }
+
+    /// What was added last is one solid. There are fewer boxes than can be counted in 32
+    /// bits (`Caps::pieces`), and more solids are not told apart.
+    fn count_solid(&mut self) {
+        self.solids.resize(self.boxes.len(), self.count);
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// The solid that reaches deepest into the box from `min` to `max` (a point, if they are the
+    /// same): its index in the order in which solids were added, the axis along which the
+    /// box would have to be moved least to be out of it, and by how much (metres). The first
+    /// of equals; `None` if none reaches into it.
+    ///
+    /// Of a polygon this is the deepest of the boxes that it was cut into.
+    pub fn deepest(&self, min: &Vector<D>, max: &Vector<D>) -> Option<(usize, usize, f64)> {
+        let mut deepest: Option<(usize, usize, f64)> = None;
+        for (solid, index) in self.boxes.iter().zip(&self.solids) {
+            let mut least = (0, f64::INFINITY);
+            for axis in 0..D {
+                let depth = (max[axis] - solid.min()[axis]).min(solid.max()[axis] - min[axis]);
+                if depth < least.1 {
+                    least = (axis, depth);
+                }
+            }
+            let (axis, depth) = least;
+            if depth > 0.0 && deepest.is_none_or(|(_, _, most)| depth > most) {
+                deepest = Some((*index as usize, axis, depth));
+            }
+        }
+        deepest
     }
 
     /// The smallest box around all solids; `None` without any.
@@ -170,7 +207,9 @@ impl Solids<2> {
         tolerance: f64,
         caps: &Caps,
     ) -> Result<(), SolidsError> {
-        outline::cut(polygon.vertices(), tolerance, caps.pieces, &mut self.boxes)
+        outline::cut(polygon.vertices(), tolerance, caps.pieces, &mut self.boxes)?;
+        self.count_solid();
+        Ok(())
     }
 }
 

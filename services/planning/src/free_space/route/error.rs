@@ -36,9 +36,10 @@ pub enum RouteError {
         /// Coordinate of the channel's side that it passes, metres.
         end: f64,
     },
-    /// Every way leads through a junction that is too small by (2.5). Of all ways
-    /// this is the one that is too small by least, and on it the junction that is
-    /// so most: making it larger than it needs to be opens the way.
+    /// Every way leads through a junction that is too small by (2.5), or over channels
+    /// that are apart. Of all ways this is the one whose worst junction lacks least, and
+    /// on it the junction that lacks most: made larger than what it needs, it opens the
+    /// way, unless others on it are too small as well.
     #[error(
         "no way through: the junction of channels {first} and {second} is {has} m wide along coordinate {axis}, more than {needs} m are needed"
     )]
@@ -47,14 +48,38 @@ pub enum RouteError {
         first: usize,
         /// The channel after it.
         second: usize,
+        /// Its place on that way, in travel order.
+        junction: usize,
         /// The coordinate along which it is too small.
         axis: usize,
         /// What it must exceed, metres.
         needs: f64,
         /// Its extent, metres; 0 if the channels only touch.
         has: f64,
+        /// How many other junctions of that way are too small, by no more.
+        others: usize,
     },
-    /// The same for (3.1): the body would pass, but not with this gap.
+    /// The same where the two channels do not even touch.
+    #[error(
+        "no way through: channels {first} and {second} are {apart} m apart along coordinate {axis}, a junction of more than {needs} m is needed"
+    )]
+    Apart {
+        /// The channel before the gap between them.
+        first: usize,
+        /// The channel after it.
+        second: usize,
+        /// The junction's place on that way, in travel order.
+        junction: usize,
+        /// The coordinate along which they are apart.
+        axis: usize,
+        /// What their junction must exceed, metres.
+        needs: f64,
+        /// How far apart they are, metres.
+        apart: f64,
+        /// How many other junctions of that way are too small, by no more.
+        others: usize,
+    },
+    /// The same for (3.1): the body would pass on some way, but not with this gap.
     #[error(
         "no way through with the gap {gap} m: at the junction of channels {first} and {second} it must be between {least} m and {most} m along coordinate {axis}"
     )]
@@ -63,6 +88,8 @@ pub enum RouteError {
         first: usize,
         /// The channel after it.
         second: usize,
+        /// Its place on the way, in travel order.
+        junction: usize,
         /// The coordinate.
         axis: usize,
         /// The gap asked for, metres.
@@ -82,7 +109,8 @@ pub enum RouteError {
         /// The axis of both.
         axis: usize,
     },
-    /// The start and the end lie in parts of the free space that do not even touch.
+    /// The start and the end lie in parts of the free space that do not even touch, and
+    /// to look over all that lies between would take too many steps.
     #[error(
         "start and end lie in separate parts of the free space: {reached} of {channels} channels hang together with the start"
     )]

@@ -4,6 +4,8 @@ use crate::free_space::Chain;
 use crate::free_space::solids::{Caps, Solids};
 use proptest::prelude::*;
 
+mod blocked;
+mod refusals;
 mod robots;
 mod scenes;
 use scenes::{Crowd, corridors, crowd, solids_around};
@@ -181,9 +183,11 @@ fn smallest_junction_on_the_best_way_is_named() {
     let error = RouteError::JunctionTooSmall {
         first: 2,
         second: 3,
+        junction: 1,
         axis: 1,
         needs: 1.0,
         has: 0.7000000000000002,
+        others: 2,
     };
     check_error(&channels, &cube(5., 0.5, End::Exit(UP)), error);
 }
@@ -191,14 +195,18 @@ fn smallest_junction_on_the_best_way_is_named() {
 #[test]
 fn equally_large_junction_is_too_small() {
     let channels = [space([0., 0.], [9., 2.]), space([8., 0.], [9., 9.])];
-    let error = RouteError::JunctionTooSmall { first: 0, second: 1, axis: 0, needs: 1.0, has: 1.0 };
+    let (first, second, junction, others) = (0, 1, 0, 0);
+    let (axis, needs, has) = (0, 1.0, 1.0);
+    let error = RouteError::JunctionTooSmall { first, second, junction, axis, needs, has, others };
     check_error(&channels, &cube(1., 0.5, End::Exit(UP)), error);
 }
 
 #[test]
 fn channels_that_touch_could_be_opened() {
     let channels = [space([0., 0.], [9., 2.]), space([5., 2.], [8., 9.])];
-    let error = RouteError::JunctionTooSmall { first: 0, second: 1, axis: 1, needs: 1.0, has: 0.0 };
+    let (first, second, junction, others) = (0, 1, 0, 0);
+    let (axis, needs, has) = (1, 1.0, 0.0);
+    let error = RouteError::JunctionTooSmall { first, second, junction, axis, needs, has, others };
     check_error(&channels, &cube(1., 0.5, End::Exit(UP)), error);
 }
 
@@ -210,6 +218,7 @@ fn gap_too_large_is_told_from_a_body_too_large() {
     let error = |gap| RouteError::GapOutOfRange {
         first: 0,
         second: 1,
+        junction: 0,
         axis: 0,
         gap,
         least: 0.0,
@@ -226,14 +235,6 @@ fn gap_leads_another_way() {
     let traveller = |gap| body([1., 0.5], [2., 1.5], Gap::Uniform(gap), End::Exit(UP));
     check(&channels, &traveller(0.2), &[0, 1]);
     check(&channels, &traveller(0.3), &[0, 2]);
-}
-
-#[test]
-fn separate_parts_are_told() {
-    let channels =
-        [space([0., 0.], [9., 2.]), space([5., 3.], [8., 9.]), space([0., 0.], [2., 3.])];
-    let error = RouteError::Separate { reached: 2, channels: 3 };
-    check_error(&channels, &cube(1., 0.5, End::Exit(UP)), error);
 }
 
 #[test]

@@ -154,6 +154,28 @@ fn slope_is_stepped_outside() {
     }
 }
 
+#[test]
+fn deepest_solid_is_named() {
+    let mut solids = Solids::default();
+    solids.push_box(space([0., 0.], [1., 9.]));
+    // In two boxes, and still one solid.
+    let corner = polygon(&[[0., 0.], [9., 0.], [9., 1.], [2., 1.], [2., 9.], [0., 9.]]);
+    solids.push_polygon(&corner, f64::NAN, &Caps::default()).expect("a solid");
+    solids.push_box(space([6., 0.], [9., 9.]));
+    let check = |min: [f64; 2], max: [f64; 2], deepest| {
+        assert_eq!(solids.deepest(&min.into(), &max.into()), deepest);
+    };
+    check([2.5, 2.0], [5.5, 4.0], None);
+    // Contact is none.
+    check([2.0, 1.0], [6.0, 4.0], None);
+    check([1.75, 2.0], [5.5, 4.0], Some((1, 0, 0.25)));
+    check([1.75, 2.0], [6.5, 4.0], Some((2, 0, 0.5)));
+    check([2.5, 0.5], [4.0, 4.0], Some((1, 1, 0.5)));
+    // A point.
+    check([7.0, 5.0], [7.0, 5.0], Some((2, 0, 1.0)));
+    check([5.0, 5.0], [5.0, 5.0], None);
+}
+
 #[track_caller]
 fn check_error(result: Result<(), SolidsError>, error: SolidsError) {
     assert_eq!(result, Err(error));

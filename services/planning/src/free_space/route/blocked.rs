@@ -1,0 +1,349 @@
+//! What stands in a traveller's way between solids: the narrowest passage on the widest
+//! way, or the wall.
+
+use super::widest::{Change, Lack, Space, Way, extent};
+use super::{Traveller, holds};
+use crate::free_space::End;
+use crate::geometry::box_tree::BoxTree;
+use crate::geometry::{AxisBox, Direction, Sign, Vector};
+
+/// Where something is: its least and its greatest corner, metres. May be flat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place<const D: usize> {
+    /// The corner with the least coordinates.
+    pub min: Vector<D>,
+    /// The corner with the greatest coordinates.
+    pub max: Vector<D>,
+}
+
+/// A place that is free and too narrow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passage<const D: usize> {
+    /// Where it is.
+    pub place: Place<D>,
+    /// Along which axis it is too narrow.
+    pub axis: usize,
+    /// What its extent along it must exceed, metres.
+    pub needs: f64,
+    /// Its extent along it, metres.
+    pub has: f64,
+}
+
+impl<const D: usize> Passage<D> {
+    /// Whether the traveller does not fit in; where it just does, it is not free to move.
+    fn is_too_narrow(&self) -> bool {
+        self.has < self.needs
+    }
+}
+
+/// Why a traveller does not come through between solids.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Blocked<const D: usize> {
+    /// The start is not free: it lies in a solid or outside the bounds.
+    StartTaken(Place<D>),
+    /// The goal is not free.
+    GoalTaken(Place<D>),
+    /// Where it starts it has no room: this is the widest place there.
+    NarrowStart(Passage<D>),
+    /// At the goal it has no room: this is the widest place there.
+    NarrowGoal(Passage<D>),
+    /// It has no room anywhere: this is the widest place.
+    NoRoom(Passage<D>),
+    /// The widest way leads through here, and is nowhere narrower.
+    Narrow {
+        /// Where it is narrowest.
+        passage: Passage<D>,
+        /// Which junction of free boxes that is, in travel order.
+        junction: usize,
+        /// How many other places on that way are too narrow, by no more.
+        others: usize,
+    },
+    /// No way leads from start to end, however narrow. Of all walls on the way whose
+    /// thickest is thinnest this is the thickest.
+    Wall {
+        /// The part of the wall between the free boxes on both sides of it.
+        place: Place<D>,
+        /// The axis along which it is passed.
+        axis: usize,
+        /// Its thickness along it, metres; 0 where free boxes meet at an edge only.
+        thickness: f64,
+        /// What an opening through it must exceed along every axis, metres.
+        needs: Vector<D>,
+        /// Which junction of free boxes it takes the place of, in travel order.
+        junction: usize,
+        /// How many other places on that way are too narrow or walls, too.
+        others: usize,
+    },
+}
+
+/// Looks again where no route was found through the channels larger than `room`: over
+/// `boxes`, all maximal free boxes within `bounds` whatever their size (as
+/// [`Solids::channels`](crate::free_space::solids::Solids::channels) makes them for a
+/// body of no size). `None` where nothing is in the way but a gap or a turn, or where it
+/// would take more than about `most_steps` pairs of boxes to tell.
+///
+/// A body fits through from one maximal box to the next if it fits into what they have in
+/// common, so the widest way over these boxes is the widest that there is: a body would
+/// have to be smaller by what is missing on every axis.
+pub fn blocked<const D: usize>(
+    boxes: &[AxisBox<D>],
+    bounds: &AxisBox<D>,
+    room: &Vector<D>,
+    traveller: &Traveller<D>,
+    most_steps: usize,
+) -> Option<Blocked<D>> {
+    let on_the_way = on_the_way(boxes.to_vec(), bounds, room, traveller, most_steps);
+    on_the_way.or_else(|| {
+        let all = (0..boxes.len()).collect::<Vec<_>>();
+        no_room(boxes, &all, room).map(Blocked::NoRoom)
+    })
+}
+
+fn on_the_way<const D: usize>(
+    mut boxes: Vec<AxisBox<D>>,
+    bounds: &AxisBox<D>,
+    room: &Vector<D>,
+    traveller: &Traveller<D>,
+    most_steps: usize,
+) -> Option<Blocked<D>> {
+    let (inner, end) = (boxes.len(), traveller.end);
+    if let End::Exit(exit) = end {
+        open_mouth(&mut boxes, bounds, exit, traveller.needs_along(exit.axis).1);
+    }
+    let around = |min: &Vector<D>, max: &Vector<D>| -> Vec<usize> {
+        (0..inner).filter(|index| holds(&boxes[*index], min, max)).collect()
+    };
+    let starts = around(&traveller.least, &traveller.greatest);
+    if starts.is_empty() {
+        let Traveller { least, greatest, .. } = *traveller;
+        return Some(Blocked::StartTaken(Place { min: least, max: greatest }));
+    }
+    if let Some(passage) = no_room(&boxes, &starts, room).filter(Passage::is_too_narrow) {
+        return Some(Blocked::NarrowStart(passage));
+    }
+    let goals = match end {
+        End::Exit(_) => Vec::new(),
+        End::Goal(goal) => around(&goal, &goal),
+    };
+    if let End::Goal(goal) = end {
+        if goals.is_empty() {
+            return Some(Blocked::GoalTaken(Place { min: goal, max: goal }));
+        }
+        if let Some(passage) = no_room(&boxes, &goals, room).filter(Passage::is_too_narrow) {
+            return Some(Blocked::NarrowGoal(passage));
+        }
+    }
+    let is_end = |index: usize| match end {
+        End::Exit(exit) => reach(&boxes[index], exit) > reach(bounds, exit),
+        End::Goal(_) => goals.binary_search(&index).is_ok(),
+    };
+    let mut tree = BoxTree::default();
+    tree.build(boxes.len(), |index| (boxes[index].min(), boxes[index].max()));
+    let space = Space { channels: &boxes, tree: &tree, traveller, room: Some(*room) };
+    let way = space.widest_way(&starts, is_end, most_steps).ok()?;
+    let scene = Scene { space, bounds };
+    match way.junction {
+        Some(junction) => scene.at_junction(&way, junction),
+        None => scene.in_one_box(&way),
+    }
+}
+
+/// Lengthens all boxes that reach the bounds' side towards the exit, as all is free
+/// beyond it, and adds what lies there.
+fn open_mouth<const D: usize>(
+    boxes: &mut Vec<AxisBox<D>>,
+    bounds: &AxisBox<D>,
+    exit: Direction,
+    length: f64,
+) {
+    let (side, mouth) = (2.0 * length, reach(bounds, exit));
+    let outwards = |min: &Vector<D>, max: &Vector<D>| {
+        let (mut min, mut max) = (*min, *max);
+        match exit.sign {
+            Sign::Positive => max[exit.axis] += side,
+            Sign::Negative => min[exit.axis] -= side,
+        }
+        AxisBox::new(min, max).ok()
+    };
+    for free in boxes.iter_mut().filter(|free| reach(free, exit) >= mouth) {
+        *free = outwards(&free.min(), &free.max()).unwrap_or(*free);
+    }
+    let (mut min, mut max) = (bounds.min(), bounds.max());
+    match exit.sign {
+        Sign::Positive => min[exit.axis] = max[exit.axis],
+        Sign::Negative => max[exit.axis] = min[exit.axis],
+    }
+    boxes.extend(outwards(&min, &max));
+}
+
+/// The greatest coordinate along a direction.
+fn reach<const D: usize>(sides: &AxisBox<D>, towards: Direction) -> f64 {
+    towards.coordinate(&sides.min()).max(towards.coordinate(&sides.max()))
+}
+
+/// The widest of these boxes, unless one of them has room.
+fn no_room<const D: usize>(
+    boxes: &[AxisBox<D>],
+    around: &[usize],
+    room: &Vector<D>,
+) -> Option<Passage<D>> {
+    let mut widest: Option<(f64, Passage<D>)> = None;
+    for index in around {
+        let (free, size) = (&boxes[*index], boxes[*index].size());
+        let lack = |axis: &usize| room[*axis] - size[*axis];
+        // The first of equals.
+        let worst = (0..D).max_by(|a, b| lack(a).total_cmp(&lack(b)).then(b.cmp(a)));
+        let axis = worst.unwrap_or(0);
+        if lack(&axis) < 0.0 {
+            return None;
+        }
+        if widest.is_none_or(|(least, _)| lack(&axis) < least) {
+            let place = Place { min: free.min(), max: free.max() };
+            let passage = Passage { place, axis, needs: room[axis], has: size[axis] };
+            widest = Some((lack(&axis), passage));
+        }
+    }
+    widest.map(|(_, passage)| passage)
+}
+
+struct Scene<'a, const D: usize> {
+    space: Space<'a, D>,
+    bounds: &'a AxisBox<D>,
+}
+
+impl<const D: usize> Scene<'_, D> {
+    fn at_junction(&self, way: &Way, junction: usize) -> Option<Blocked<D>> {
+        let boxes = self.space.channels;
+        let (one, other) = (&boxes[way.route[junction]], &boxes[way.route[junction + 1]]);
+        let (axis, others) = (way.lack.axis, self.other_places(way));
+        let has = extent(one, other, axis);
+        match way.lack.change {
+            Change::Nothing | Change::Gap => None,
+            Change::Junction => {
+                let place = self.trimmed(self.passage(way, junction, axis), axis, &way.lack);
+                let needs = self.space.traveller.needs_along(axis).0;
+                let passage = Passage { place, axis, needs, has };
+                Some(Blocked::Narrow { passage, junction, others })
+            }
+            Change::Wall => {
+                let place = self.between(one, other);
+                let needs = Vector::from_fn(|axis, _| self.space.traveller.needs_along(axis).0);
+                let thickness = (-has).max(0.0);
+                Some(Blocked::Wall { place, axis, thickness, needs, junction, others })
+            }
+        }
+    }
+
+    /// A box that start and end both lie in, and that the body just fills.
+    fn in_one_box(&self, way: &Way) -> Option<Blocked<D>> {
+        let [index] = way.route[..] else { return None };
+        let (free, room) = (&self.space.channels[index], self.space.room?);
+        let lack = self.space.lack_of(free);
+        if lack.change != Change::Junction {
+            return None;
+        }
+        let (axis, place) = (lack.axis, Place { min: free.min(), max: free.max() });
+        let (place, needs, has) = (self.within(&place), room[axis], free.size()[axis]);
+        let passage = Passage { place, axis, needs, has };
+        Some(Blocked::Narrow { passage, junction: 0, others: 0 })
+    }
+
+    /// Where the narrow place at a junction is. Mostly one of its two boxes is as narrow
+    /// as it is: a doorway, reaching far into the rooms before and behind. Then it is
+    /// the part of that box between them.
+    fn passage(&self, way: &Way, junction: usize, axis: usize) -> Place<D> {
+        let boxes = self.space.channels;
+        let at = |place: usize| &boxes[way.route[place]];
+        let has = extent(at(junction), at(junction + 1), axis);
+        let narrow = |place: &usize| at(*place).size()[axis] <= has;
+        let Some(place) = [junction, junction + 1].into_iter().find(narrow) else {
+            return self.between(at(junction), at(junction + 1));
+        };
+        let narrow = at(place);
+        let mut part = Place { min: narrow.min(), max: narrow.max() };
+        let neighbour = |index: usize| way.route.get(index).map(|at| &boxes[*at]);
+        let before = place.checked_sub(1).and_then(neighbour);
+        let (Some(before), Some(after)) = (before, neighbour(place + 1)) else {
+            return self.within(&part);
+        };
+        let (before, after) = ((before.min(), before.max()), (after.min(), after.max()));
+        for other in (0..D).filter(|other| *other != axis) {
+            let (low, high) = if before.1[other] <= after.0[other] {
+                (before.1[other], after.0[other])
+            } else if after.1[other] <= before.0[other] {
+                (after.1[other], before.0[other])
+            } else {
+                continue;
+            };
+            part.min[other] = part.min[other].max(low);
+            part.max[other] = part.max[other].min(high);
+        }
+        self.within(&part)
+    }
+
+    /// Without the ends that lie in wider boxes as well, as the way may have led along the
+    /// narrow one through rooms beside it; whole along an axis where these leave nothing.
+    fn trimmed(&self, place: Place<D>, axis: usize, worst: &Lack) -> Place<D> {
+        let boxes = self.space.channels;
+        let has = place.max[axis] - place.min[axis];
+        let is_wider = |free: &AxisBox<D>| {
+            let lack = |axis| self.space.lack_along(axis, free.size()[axis]).metres;
+            free.size()[axis] > has && (0..D).all(|axis| lack(axis) < worst.metres)
+        };
+        let mut rest = place;
+        self.space.tree.visit(&place.min, &place.max, 0.0, |index| {
+            let (min, max) = (boxes[index].min(), boxes[index].max());
+            let covers = |axis: usize| min[axis] <= place.min[axis] && place.max[axis] <= max[axis];
+            let mut uncovered = (0..D).filter(|axis| !covers(*axis));
+            if let (Some(along), None) = (uncovered.next(), uncovered.next())
+                && along != axis
+                && is_wider(&boxes[index])
+            {
+                if min[along] <= place.min[along] {
+                    rest.min[along] = rest.min[along].max(max[along]);
+                } else if place.max[along] <= max[along] {
+                    rest.max[along] = rest.max[along].min(min[along]);
+                }
+            }
+            0.0
+        });
+        for along in 0..D {
+            if rest.min[along] >= rest.max[along] {
+                (rest.min[along], rest.max[along]) = (place.min[along], place.max[along]);
+            }
+        }
+        rest
+    }
+
+    /// How many places on the way are too narrow or walled, besides the worst. A doorway is
+    /// one place with two junctions, one after the other.
+    fn other_places(&self, way: &Way) -> usize {
+        let boxes = self.space.channels;
+        let (mut count, mut last) = (0_usize, None);
+        for (at, pair) in way.route.windows(2).enumerate() {
+            let [first, second] = *pair else { continue };
+            let lack = self.space.lack(&boxes[first], &boxes[second]);
+            let place = match lack.change {
+                Change::Nothing => continue,
+                Change::Gap | Change::Junction => self.passage(way, at, lack.axis),
+                Change::Wall => self.between(&boxes[first], &boxes[second]),
+            };
+            if last.replace(place) != Some(place) {
+                count += 1;
+            }
+        }
+        count.saturating_sub(1)
+    }
+
+    /// What two boxes have in common; along axes along which they are apart, what lies
+    /// between.
+    fn between(&self, one: &AxisBox<D>, other: &AxisBox<D>) -> Place<D> {
+        let (a, b) = (one.min().sup(&other.min()), one.max().inf(&other.max()));
+        self.within(&Place { min: a.inf(&b), max: a.sup(&b) })
+    }
+
+    fn within(&self, place: &Place<D>) -> Place<D> {
+        let (min, max) = (self.bounds.min(), self.bounds.max());
+        Place { min: place.min.sup(&min).inf(&max), max: place.max.inf(&max).sup(&min) }
+    }
+}
