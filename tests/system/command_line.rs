@@ -3,6 +3,7 @@
 use std::process::{Command, Stdio};
 
 use integration_tests::{Ended, TestDomain, program, root, scene_text};
+use planner::config::Config;
 use serde_json::Value;
 
 fn scene_path(name: &str) -> String {
@@ -35,6 +36,19 @@ fn help_names_the_exit_codes() {
         let version = test.run(name, &["--version"]);
         assert_eq!(version.stdout, format!("{name} {}\n", env!("CARGO_PKG_VERSION")));
     }
+}
+
+#[test]
+fn help_of_the_planner_lists_all_settings_with_their_defaults() {
+    let test = TestDomain::new();
+    let help = test.run("planner", &["--help"]).stdout;
+    let (_, listed) = help.split_once("with their defaults:\n").unwrap();
+    let (listed, _) = listed.split_once("\n\n").unwrap();
+    let read = Config::read(&test.write("planner.toml", listed)).unwrap();
+    assert_eq!(read, Config::default());
+    let debug = format!("{:?}", Config::default());
+    let settings = debug.matches(": ").count() - 1;
+    assert_eq!(listed.matches(" = ").count(), settings, "one is missing: {listed}");
 }
 
 #[test]

@@ -5,12 +5,12 @@
 
 use std::convert::Infallible;
 
-use planner::Workspace;
+use planner::{Caps, Workspace};
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
 use schemas::message::{
     AxisBox, Body, ClearanceWish, Footprint, FreeSpace, Gap, Goal, Pose, RequestKey, Sampling,
-    SceneRequest, Task,
+    SceneRequest, Solid, Task,
 };
 use schemas::wire::{PART_CELLS, ReplyHeader, RequestHeader};
 
@@ -36,13 +36,21 @@ impl PartSink for Memory {
 }
 
 fn bench(bencher: divan::Bencher, scene: &SceneRequest) {
-    let mut cells = Vec::new();
-    let header: RequestHeader =
-        write_scene(scene, RequestKey::default(), 0, &mut cells).expect("one dimension");
-    let mut workspace = Workspace::default();
+    bench_by_turns(bencher, &[scene], Workspace::default());
+}
+
+fn bench_by_turns(bencher: divan::Bencher, scenes: &[&SceneRequest], mut workspace: Workspace) {
+    let request = |scene: &&SceneRequest| -> (RequestHeader, Vec<u64>) {
+        let mut cells = Vec::new();
+        let header = write_scene(scene, RequestKey::default(), 0, &mut cells);
+        (header.expect("one dimension"), cells)
+    };
+    let requests: Vec<_> = scenes.iter().map(request).collect();
+    let mut turns = requests.iter().cycle();
     let mut memory = Memory(vec![0; PART_CELLS]);
     bencher.bench_local(|| {
-        let Ok(()) = workspace.answer(&header, &cells, &mut memory);
+        let (header, cells) = turns.next().expect("at least one");
+        let Ok(()) = workspace.answer(header, cells, &mut memory);
         memory.0[0]
     });
 }
@@ -96,6 +104,32 @@ fn staircase(corners: usize, samples: u64) -> SceneRequest {
         goal: Some(Goal { position: [middle(0), middle(1)].into(), heading: None }),
         clearance: ClearanceWish::Gap(Gap::Uniform(0.6)),
         sampling: Some(Sampling::Count(samples)),
+        ..SceneRequest::empty()
+    }
+}
+
+/// Two fields of pillars by turns, channels made from the solids; with a cache and without.
+#[divan::bench(args = [(10, true), (10, false), (30, true), (30, false)])]
+fn solids_by_turns(bencher: divan::Bencher, (rows, cached): (usize, bool)) {
+    let [one, other] = [0.0, 0.5].map(|shift| pillars(rows, shift));
+    let workspace = Workspace::new(Caps::default(), if cached { 256 << 20 } else { 0 });
+    bench_by_turns(bencher, &[&one, &other], workspace);
+}
+
+/// Pillars 1 m wide, 2 m apart, `rows` by `rows` of them, between which a body moves up.
+fn pillars(rows: usize, shift: f64) -> SceneRequest {
+    let pillar = |index: usize| {
+        let (x, z) = ((index % rows) as f64 * 3.0, (index / rows) as f64 * 3.0 + shift);
+        Solid::Box(AxisBox { min: [x, z].into(), max: [x + 1.0, z + 1.0].into() })
+    };
+    SceneRequest {
+        free_space: FreeSpace {
+            solids: Some((0..rows * rows).map(pillar).collect()),
+            ..FreeSpace::default()
+        },
+        body: Body::Box(AxisBox { min: [1.5, 0.5].into(), max: [2.5, 0.9].into() }),
+        clearance: ClearanceWish::Safest,
+        sampling: Some(Sampling::Count(2)),
         ..SceneRequest::empty()
     }
 }

@@ -19,9 +19,10 @@ use schemas::wire;
 use crate::Caps;
 use assembly::Assembly;
 use cache::Cache;
-pub use cache::CacheStats;
 use driving::Driving;
 use parts::{Collect, Parts};
+
+pub use cache::CacheStats;
 
 /// The default of what a workspace keeps, bytes.
 pub(crate) const CACHE_BYTES: usize = 256 << 20;

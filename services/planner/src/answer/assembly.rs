@@ -346,7 +346,7 @@ impl<const D: usize> Assembly<D> {
         }
         let walls = self.free_space.walls();
         let Some(Curve::Line { to, .. }) = self.path.legs().last().map(|leg| leg.curve) else {
-            return true;
+            return false;
         };
         // Channels made from the solids are free of them.
         let mut channels = self.chain.channels().iter();

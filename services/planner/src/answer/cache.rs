@@ -170,15 +170,13 @@ impl Cache {
         &mut self,
         make: impl FnOnce(&mut T) -> Result<(), E>,
     ) -> Result<Arc<T>, E> {
+        // Most often it is the same as last.
+        if let Some(made) = self.found(self.entries[END].older) {
+            return Ok(made);
+        }
         let hash = self.content.hash();
         if let Some(at) = self.places.get(&hash).copied() {
-            let entry = &mut self.entries[at];
-            let same = entry.memory.content == self.content.0;
-            if same && let Some(Ok(made)) = entry.memory.made.clone().map(Arc::downcast) {
-                entry.request = self.request;
-                self.stats.hits += 1;
-                self.unlink(at);
-                self.link(at);
+            if let Some(made) = self.found(at) {
                 return Ok(made);
             }
             self.forget(at);
@@ -192,6 +190,20 @@ impl Cache {
         content.extend_from_slice(&self.content.0);
         self.keep(hash, Memory { content, made: Some(made.clone()) }, made.bytes());
         Ok(made)
+    }
+
+    /// What an entry keeps, if it is what is looked for.
+    fn found<T: Keep>(&mut self, at: usize) -> Option<Arc<T>> {
+        let entry = &mut self.entries[at];
+        if entry.memory.content != self.content.0 {
+            return None;
+        }
+        let made = Arc::downcast(entry.memory.made.clone()?).ok()?;
+        entry.request = self.request;
+        self.stats.hits += 1;
+        self.unlink(at);
+        self.link(at);
+        Some(made)
     }
 
     /// Forgets what is too much, now that a request has ended.
