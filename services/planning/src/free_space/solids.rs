@@ -5,6 +5,7 @@ use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use sweep::Sweep;
 use thiserror::Error;
 
+mod axis;
 mod outline;
 mod sweep;
 
@@ -141,20 +142,7 @@ impl<const D: usize> Solids<D> {
             let (has, most) = (self.boxes.len(), caps.pieces);
             return Err(SolidsError::TooManyPieces { has, most });
         }
-        let result = self.sweep.run(&self.boxes, bounds, body, caps, channels);
-        if result.is_err() {
-            channels.clear();
-        }
-        channels.sort_unstable_by(|a, b| {
-            let corners = |channel: &AxisBox<D>| [channel.min(), channel.max()];
-            let (a, b) = (corners(a), corners(b));
-            let pairs = a.iter().zip(&b).flat_map(|(a, b)| a.iter().zip(b.iter()));
-            pairs
-                .map(|(a, b)| a.total_cmp(b))
-                .find(|order| order.is_ne())
-                .unwrap_or(std::cmp::Ordering::Equal)
-        });
-        result
+        self.sweep.run(&self.boxes, bounds, body, caps, channels)
     }
 }
 
