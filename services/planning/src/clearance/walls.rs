@@ -43,7 +43,7 @@ struct Solid<const D: usize> {
 
 /// All walls of a scene.
 ///
-/// Refilled again and again in the same memory, 320 bytes per channel of a chain in
+/// Refilled again and again in the same memory, 350 bytes per channel of a chain in
 /// two dimensions. After the last addition [`Walls::index`] makes searching
 /// many walls fast; without it everything works, slowly.
 #[derive(Debug, Clone, Default)]

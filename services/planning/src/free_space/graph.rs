@@ -7,8 +7,8 @@ use thiserror::Error;
 /// Channels in any order, and for each those that it has a junction with.
 ///
 /// It depends on nothing but the channels, so that it can be kept for other
-/// bodies, gaps, starts and exits in the same free space. It holds `20 + 34 D`
-/// bytes per channel and 8 per junction.
+/// bodies, gaps, starts and exits in the same free space. It holds `20 + 35 D`
+/// bytes per channel and 16 per junction.
 #[derive(Debug, Clone, Default)]
 pub struct Graph<const D: usize> {
     channels: Vec<AxisBox<D>>,
@@ -145,3 +145,6 @@ impl<const D: usize> Graph<D> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

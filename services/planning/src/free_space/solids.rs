@@ -66,9 +66,11 @@ pub enum SolidsError {
 
 /// Solids, cut into boxes. Reusable memory.
 ///
-/// They may touch, overlap, and be given twice. It holds `16 D` bytes per box, and
-/// from looking for channels `66 D + 16` more, and `16 D + 8` per box considered at
-/// one time besides the nodes of an index (16 bytes, at most 48 per such box).
+/// They may touch, overlap, and be given twice. It holds `16 D` bytes per box; from
+/// looking for channels `48 D + 40` more, or `67 D + 56` where more than a few sides lie
+/// in one place; `8 D` per channel; and `8 D + 4` per box considered at one time besides
+/// the nodes of an index (16 bytes; in two dimensions at most 4 per solid, in three at
+/// most 64 for every box ever considered).
 #[derive(Debug, Clone, Default)]
 pub struct Solids<const D: usize> {
     boxes: Vec<AxisBox<D>>,

@@ -61,6 +61,12 @@ impl<const D: usize> BoxTree<D> {
         }
     }
 
+    /// What it holds at least, bytes.
+    #[cfg(test)]
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.order) + size_of_val(&*self.nodes)
+    }
+
     /// Calls `visit` with the index of every box that comes as near as `reach`
     /// (metres, may be infinite) to the box from `min` to `max`, roughly the
     /// nearest first. `visit` returns the reach from there on; a negative one
@@ -174,6 +180,8 @@ impl<const D: usize> BoxTree<D> {
     }
 
     fn node(&self, level: usize, place: usize) -> &Bounds<D> {
+        #[cfg(test)]
+        super::work::look();
         &self.nodes[self.levels[level] + place]
     }
 

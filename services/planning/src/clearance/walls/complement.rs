@@ -2,7 +2,6 @@
 
 use super::{FEW, Wall, Walls};
 use crate::free_space::HalfSpace;
-use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 use std::cmp::Ordering;
 
@@ -17,10 +16,18 @@ struct Piece<const D: usize> {
     max: Vector<D>,
 }
 
+#[cfg(test)]
+impl<const D: usize> Scratch<D> {
+    /// What it holds, bytes.
+    pub(super) fn memory(&self) -> usize {
+        let lists = size_of_val(&*self.neighbours) + size_of_val(&*self.pieces);
+        lists + size_of_val(&*self.channels)
+    }
+}
+
 /// Memory that is used again.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch<const D: usize> {
-    tree: BoxTree<D>,
     neighbours: Vec<usize>,
     /// All pieces found; behind them those of the side being worked on.
     pieces: Vec<Piece<D>>,
@@ -46,8 +53,10 @@ impl<const D: usize> Walls<D> {
             return;
         }
         self.clear();
-        let Scratch { tree, neighbours, pieces, .. } = &mut self.complement;
+        let Scratch { neighbours, pieces, .. } = &mut self.complement;
         pieces.clear();
+        // The index of the channels first, and of the walls when that is done with.
+        let tree = &mut self.tree;
         if channels.len() > FEW {
             tree.build(channels.len(), |index| (channels[index].min(), channels[index].max()));
         }
@@ -77,6 +86,7 @@ impl<const D: usize> Walls<D> {
                 }
             }
         }
+        tree.clear();
         pieces.sort_unstable_by(compare);
         let mut last: Option<Piece<D>> = None;
         for piece in &*pieces {
@@ -131,6 +141,8 @@ fn add_uncovered<const D: usize>(
     pieces.push(side);
     let at = side.min[side.axis];
     for &index in neighbours {
+        #[cfg(test)]
+        crate::geometry::work::look();
         if index == owner {
             continue;
         }

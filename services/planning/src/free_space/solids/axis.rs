@@ -52,6 +52,13 @@ impl Axis {
         least.max(self.greatest.sort(ranks, solids, |part| part.max[axis]))
     }
 
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> usize {
+        let sides = [&self.least, &self.greatest];
+        let sides = sides.map(|sides| size_of_val(&*sides.begins) + size_of_val(&*sides.solids));
+        size_of_val(&*self.coordinates) + sides.iter().sum::<usize>()
+    }
+
     /// The coordinate of a rank, metres.
     pub(super) fn at(&self, rank: u32) -> f64 {
         self.coordinates[rank as usize]

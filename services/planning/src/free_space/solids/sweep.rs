@@ -99,7 +99,8 @@ pub(super) struct Sweep<const D: usize> {
     unused: u32,
     hit: Vec<u32>,
     found: Vec<Part<D>>,
-    steps: usize,
+    /// Boxes looked at, in all.
+    pub(super) steps: usize,
 }
 
 /// What stays the same during a sweep.
@@ -178,10 +179,9 @@ impl<const D: usize> Sweep<D> {
                 {
                     self.insert(behind, scene)?;
                 }
+                self.check_steps(caps)?;
             }
-            if self.steps > caps.steps {
-                return Err(SolidsError::TooIntricate { has: self.steps, most: caps.steps });
-            }
+            self.check_steps(caps)?;
         }
         // What is left is a channel up to the far end of the bounds.
         self.hit.clear();
@@ -232,6 +232,21 @@ impl<const D: usize> Sweep<D> {
             self.tree.build(solids.len(), bounds);
         }
         bounds
+    }
+
+    fn check_steps(&self, caps: &Caps) -> Result<(), SolidsError> {
+        let (has, most) = (self.steps, caps.steps);
+        if has > most { Err(SolidsError::TooIntricate { has, most }) } else { Ok(()) }
+    }
+
+    /// What it holds, bytes: for the solids without and with the index over them, and
+    /// for each candidate and channel.
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> [usize; 4] {
+        let solids = size_of_val(&*self.solids) + size_of_val(&*self.ends);
+        let solids = solids + self.axes.iter().map(Axis::memory).sum::<usize>();
+        let tree = self.tree.memory();
+        [solids, solids + tree, size_of::<Candidate<D>>(), size_of::<Part<D>>()]
     }
 
     /// Whether a part is larger than the body along an axis.
