@@ -6,6 +6,7 @@ use sweep::Sweep;
 use thiserror::Error;
 
 mod axis;
+mod candidates;
 mod outline;
 mod sweep;
 
@@ -16,7 +17,7 @@ pub struct Caps {
     pub pieces: usize,
     /// Channels found, and boxes considered at one time.
     pub channels: usize,
-    /// Boxes looked at, in all: bounds the time, about 10 ns each.
+    /// Boxes looked at, in all: bounds the time, 10 to 100 ns each.
     pub steps: usize,
 }
 
@@ -69,8 +70,7 @@ pub enum SolidsError {
 /// They may touch, overlap, and be given twice. It holds `16 D` bytes per box; from
 /// looking for channels `48 D + 40` more, or `67 D + 56` where more than a few sides lie
 /// in one place; `8 D` per channel; and `8 D + 4` per box considered at one time besides
-/// the nodes of an index (16 bytes; in two dimensions at most 4 per solid, in three at
-/// most 64 for every box ever considered).
+/// an index of them (nodes of `8 D + 20` bytes, as a rule one for every five boxes).
 #[derive(Debug, Clone, Default)]
 pub struct Solids<const D: usize> {
     boxes: Vec<AxisBox<D>>,

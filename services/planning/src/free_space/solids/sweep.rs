@@ -12,11 +12,10 @@
 //! other.
 
 use super::axis::Axis;
+use super::candidates::Candidates;
 use super::{Caps, SolidsError};
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
-
-const NONE: u32 = u32::MAX;
 
 /// Up to so many solids are looked at without the index.
 const FEW: usize = 16;
@@ -31,10 +30,25 @@ pub(super) struct Part<const D: usize> {
 }
 
 impl<const D: usize> Part<D> {
-    fn side(&self, axis: usize, sign: Sign) -> u32 {
+    pub(super) fn side(&self, axis: usize, sign: Sign) -> u32 {
         match sign {
             Sign::Negative => self.min[axis],
             Sign::Positive => self.max[axis],
+        }
+    }
+
+    pub(super) fn side_mut(&mut self, axis: usize, sign: Sign) -> &mut u32 {
+        match sign {
+            Sign::Negative => &mut self.min[axis],
+            Sign::Positive => &mut self.max[axis],
+        }
+    }
+
+    /// The smallest box around both.
+    pub(super) fn around(&self, other: &Self) -> Self {
+        Self {
+            min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
+            max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
         }
     }
 
@@ -49,7 +63,7 @@ impl<const D: usize> Part<D> {
         })
     }
 
-    fn overlaps(&self, other: &Self, axis: usize) -> bool {
+    pub(super) fn overlaps(&self, other: &Self, axis: usize) -> bool {
         self.min[axis] < other.max[axis] && other.min[axis] < self.max[axis]
     }
 }
@@ -64,27 +78,6 @@ pub(super) struct Solid<const D: usize> {
     pub(super) part: Part<D>,
 }
 
-/// A node of the index of candidates: a tree of halved extents along the first
-/// axis, where what lies across the middle is kept in a tree along the next.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    less: u32,
-    more: u32,
-    /// The tree along the next axis; behind the last, the first candidate.
-    across: u32,
-    /// Candidates in this tree.
-    count: u32,
-}
-
-const LEAF: Node = Node { less: NONE, more: NONE, across: NONE, count: 0 };
-
-#[derive(Debug, Clone, Copy)]
-struct Candidate<const D: usize> {
-    part: Part<D>,
-    /// The next one in the same node, or the next unused one.
-    next: u32,
-}
-
 /// Reusable memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sweep<const D: usize> {
@@ -93,11 +86,8 @@ pub(super) struct Sweep<const D: usize> {
     ends: Vec<(f64, u32)>,
     /// Over the solids, where some side has more than a few in one place.
     tree: BoxTree<D>,
-    nodes: Vec<Node>,
-    candidates: Vec<Candidate<D>>,
-    /// The first unused candidate.
-    unused: u32,
-    hit: Vec<u32>,
+    candidates: Candidates<D>,
+    hit: Vec<Part<D>>,
     found: Vec<Part<D>>,
     /// Boxes looked at, in all.
     pub(super) steps: usize,
@@ -120,10 +110,7 @@ impl<const D: usize> Sweep<D> {
         channels: &mut Vec<AxisBox<D>>,
     ) -> Result<(), SolidsError> {
         let bounds = self.take_in(solids, bounds);
-        self.nodes.clear();
-        self.nodes.push(LEAF);
         self.candidates.clear();
-        self.unused = NONE;
         self.found.clear();
         self.steps = 0;
         self.sweep(&Scene { bounds, body, caps })?;
@@ -146,13 +133,9 @@ impl<const D: usize> Sweep<D> {
         for index in 0..self.solids.len() {
             let solid = self.solids[index].part;
             self.hit.clear();
-            self.take(0, 0, (bounds.min[0], bounds.max[0]), &solid, bounds);
+            self.steps += self.candidates.take(&solid, &mut self.hit);
             for position in 0..self.hit.len() {
-                let hit = self.hit[position] as usize;
-                let part = self.candidates[hit].part;
-                self.candidates[hit].next = self.unused;
-                self.unused = self.hit[position];
-
+                let part = self.hit[position];
                 let mut before = part;
                 before.max[last] = solid.min[last];
                 if self.is_larger(&before, last, scene) && self.is_held(&before, index, scene, last)
@@ -185,10 +168,9 @@ impl<const D: usize> Sweep<D> {
         }
         // What is left is a channel up to the far end of the bounds.
         self.hit.clear();
-        self.take(0, 0, (bounds.min[0], bounds.max[0]), bounds, bounds);
+        self.candidates.take(bounds, &mut self.hit);
         for position in 0..self.hit.len() {
-            let part = self.candidates[self.hit[position] as usize].part;
-            self.push(part, caps)?;
+            self.push(self.hit[position], caps)?;
         }
         Ok(())
     }
@@ -240,13 +222,13 @@ impl<const D: usize> Sweep<D> {
     }
 
     /// What it holds, bytes: for the solids without and with the index over them, and
-    /// for each candidate and channel.
+    /// for each channel.
     #[cfg(test)]
-    pub(super) fn memory(&self) -> [usize; 4] {
+    pub(super) fn memory(&self) -> [usize; 3] {
         let solids = size_of_val(&*self.solids) + size_of_val(&*self.ends);
         let solids = solids + self.axes.iter().map(Axis::memory).sum::<usize>();
         let tree = self.tree.memory();
-        [solids, solids + tree, size_of::<Candidate<D>>(), size_of::<Part<D>>()]
+        [solids, solids + tree, size_of::<Part<D>>()]
     }
 
     /// Whether a part is larger than the body along an axis.
@@ -325,121 +307,10 @@ impl<const D: usize> Sweep<D> {
     }
 
     fn insert(&mut self, part: Part<D>, scene: &Scene<'_, D>) -> Result<(), SolidsError> {
-        let candidate = match self.candidates.get(self.unused as usize) {
-            Some(candidate) => {
-                let index = self.unused;
-                self.unused = candidate.next;
-                index
-            }
-            None => {
-                let (has, most) = (self.candidates.len() + 1, scene.caps.channels);
-                if has > most {
-                    return Err(SolidsError::TooManyChannels { has, most });
-                }
-                self.candidates.push(Candidate { part, next: NONE });
-                // Caps::channels may be more than can be counted here.
-                u32::try_from(has - 1)
-                    .ok()
-                    .filter(|index| *index != NONE)
-                    .ok_or(SolidsError::TooManyChannels { has, most: NONE as usize - 1 })?
-            }
-        };
-        let mut node = 0;
-        for axis in 0..D - 1 {
-            let (mut low, mut high) = (scene.bounds.min[axis], scene.bounds.max[axis]);
-            loop {
-                self.nodes[node].count += 1;
-                let middle = low.midpoint(high);
-                // The same as `low` where nothing is left to halve.
-                let less = if part.max[axis] <= middle {
-                    high = middle;
-                    true
-                } else if part.min[axis] >= middle && low < middle {
-                    low = middle;
-                    false
-                } else {
-                    break;
-                };
-                let child = if less { self.nodes[node].less } else { self.nodes[node].more };
-                let child = self.existing(child);
-                if less {
-                    self.nodes[node].less = child;
-                } else {
-                    self.nodes[node].more = child;
-                }
-                node = child as usize;
-            }
-            if axis + 1 < D - 1 {
-                let child = self.existing(self.nodes[node].across);
-                self.nodes[node].across = child;
-                node = child as usize;
-            }
+        let most = scene.caps.channels;
+        match self.candidates.insert(part, &scene.bounds, most) {
+            true => Ok(()),
+            false => Err(SolidsError::TooManyChannels { has: most.saturating_add(1), most }),
         }
-        let next = self.nodes[node].across;
-        self.candidates[candidate as usize] = Candidate { part, next };
-        self.nodes[node].across = candidate;
-        Ok(())
-    }
-
-    fn existing(&mut self, node: u32) -> u32 {
-        if node != NONE {
-            return node;
-        }
-        self.nodes.push(LEAF);
-        // Fewer than 2^32: each insertion adds at most 32 per axis, and steps are capped.
-        u32::try_from(self.nodes.len() - 1).unwrap_or(NONE - 1)
-    }
-
-    /// Moves all candidates that the solid reaches into from a tree to `hit`;
-    /// how many these were.
-    fn take(
-        &mut self,
-        node: u32,
-        axis: usize,
-        (low, high): (u32, u32),
-        solid: &Part<D>,
-        bounds: &Part<D>,
-    ) -> u32 {
-        if node == NONE || self.nodes[node as usize].count == 0 {
-            return 0;
-        }
-        self.steps += 1;
-        let Node { less, more, across, .. } = self.nodes[node as usize];
-        let middle = low.midpoint(high);
-        let mut taken = 0;
-        if solid.min[axis] < middle {
-            taken += self.take(less, axis, (low, middle), solid, bounds);
-        }
-        if solid.max[axis] > middle {
-            taken += self.take(more, axis, (middle, high), solid, bounds);
-        }
-        let next = axis + 1;
-        if next < D - 1 {
-            taken += self.take(across, next, (bounds.min[next], bounds.max[next]), solid, bounds);
-        } else {
-            taken += self.take_from_list(node, solid);
-        }
-        self.nodes[node as usize].count -= taken;
-        taken
-    }
-
-    fn take_from_list(&mut self, node: u32, solid: &Part<D>) -> u32 {
-        let begin = self.hit.len();
-        let mut kept = NONE;
-        let mut at = self.nodes[node as usize].across;
-        while at != NONE {
-            self.steps += 1;
-            let candidate = &mut self.candidates[at as usize];
-            let next = candidate.next;
-            if (0..D).all(|axis| solid.overlaps(&candidate.part, axis)) {
-                self.hit.push(at);
-            } else {
-                candidate.next = kept;
-                kept = at;
-            }
-            at = next;
-        }
-        self.nodes[node as usize].across = kept;
-        (self.hit.len() - begin) as u32
     }
 }
