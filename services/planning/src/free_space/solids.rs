@@ -22,7 +22,7 @@ pub struct Caps {
 }
 
 impl Default for Caps {
-    /// 2^21 pieces, 2^20 channels, 2^30 steps (some ten seconds).
+    /// 2^21 pieces, 2^20 channels, 2^30 steps (ten seconds and more).
     fn default() -> Self {
         Self { pieces: 1 << 21, channels: 1 << 20, steps: 1 << 30 }
     }

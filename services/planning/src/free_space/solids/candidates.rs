@@ -10,7 +10,7 @@ const MANY: u32 = 16;
 
 /// Candidates in a tree over where their sides are across the axes other than the
 /// sweep's: each node halves the range of one of these, and knows a box around all its
-/// candidates. Of two candidates no such side differs, one contains the other.
+/// candidates. (Of two that no such side tells apart, one would contain the other.)
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates<const D: usize> {
     nodes: Vec<Node<D>>,
@@ -193,5 +193,56 @@ impl<const D: usize> Candidates<D> {
     #[cfg(test)]
     pub(super) fn memory() -> [usize; 2] {
         [size_of::<Candidate<D>>(), size_of::<Node<D>>()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const EDGE: u32 = 40;
+
+    fn parts(most: usize) -> impl Strategy<Value = Vec<Part<3>>> {
+        let corner = proptest::array::uniform3(0..EDGE - 8);
+        let size = proptest::array::uniform3(1..=8_u32);
+        let part = (corner, size).prop_map(|(min, size)| {
+            let max = std::array::from_fn(|axis| min[axis] + size[axis]);
+            Part { min, max }
+        });
+        proptest::collection::vec(part, 0..most)
+    }
+
+    proptest! {
+        /// Some are added and some taken, by turns, more often than there is room for.
+        #[test]
+        fn exactly_those_reached_into_are_taken(rounds in proptest::collection::vec((parts(150), parts(9)), 1..4)) {
+            let bounds = Part { min: [0; 3], max: [EDGE; 3] };
+            let mut candidates = Candidates::default();
+            let (mut expected, mut taken) = (Vec::new(), Vec::new());
+            candidates.clear();
+            for (parts, solids) in &rounds {
+                for part in parts {
+                    let room = expected.len() < 200;
+                    prop_assert_eq!(candidates.insert(*part, &bounds, 200), room);
+                    expected.extend(room.then_some(*part));
+                }
+                for solid in solids {
+                    let reached = |part: &Part<3>| (0..3).all(|axis| solid.overlaps(part, axis));
+                    let (mut hit, kept): (Vec<_>, Vec<_>) = expected.into_iter().partition(reached);
+                    expected = kept;
+                    taken.clear();
+                    candidates.take(solid, &mut taken);
+                    hit.sort_unstable();
+                    taken.sort_unstable();
+                    prop_assert_eq!(&taken, &hit);
+                }
+            }
+            taken.clear();
+            candidates.take(&bounds, &mut taken);
+            prop_assert_eq!(taken.len(), expected.len());
+            prop_assert_eq!(candidates.nodes[0].count, 0);
+            prop_assert!(candidates.nodes[0].split.is_none());
+        }
     }
 }
