@@ -3,11 +3,14 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use planning::disassembly::Gap;
-use planning::free_space::End;
+use planning::clearance::rectangle::Footprint;
+use planning::clearance::walls::{Complement, Walls};
+use planning::disassembly::{self, Gap, disassemble};
+use planning::driving::{self, Drive, Gaps, Goal, Pose, StartTurn, corners_of, drive, limits};
 use planning::free_space::graph::Graph;
-use planning::free_space::route::{Driving, Motion, Router, Translating};
+use planning::free_space::route::{self, Judgement, Motion, Router, Translating};
 use planning::free_space::solids::{Caps, Solids};
+use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 
@@ -117,7 +120,7 @@ fn route_to_the_mouth(bencher: Bencher<'_, '_>, count: usize) {
 fn route_of_a_robot_to_the_far_corner(bencher: Bencher<'_, '_>, count: usize) {
     let channels = streets(count);
     let goal = channels[channels.len() - 1].center();
-    route(bencher, &channels, Driving::new(Vector::zeros(), goal, Vector::repeat(1.5), 0.7));
+    route(bencher, &channels, route::Driving::new(Vector::zeros(), goal, Vector::repeat(1.5), 0.7));
 }
 
 fn route(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>], mut motion: impl Motion<2>) {
@@ -135,7 +138,7 @@ fn channels_between_blocks(bencher: Bencher<'_, '_>, count: usize) {
     between(bencher, &blocks, &bounds);
 }
 
-#[divan::bench(sample_count = 5, args = [100, 1_000])]
+#[divan::bench(sample_count = 5, args = [100, 1_000, 10_000])]
 fn channels_between_blocks_in_three_dimensions(bencher: Bencher<'_, '_>, count: usize) {
     let (blocks, bounds) = blocks::<3>(count);
     between(bencher, &blocks, &bounds);
@@ -163,5 +166,236 @@ fn channels_in_a_comb(bencher: Bencher<'_, '_>, vertices: usize) {
         let body = Vector::repeat(1.5);
         solids.channels(&bounds, &body, &Caps::default(), &mut channels).expect("channels");
         channels.len()
+    });
+}
+
+/// The boundary of the union of all streets, made anew and indexed.
+#[divan::bench(sample_count = 10, args = SIZES)]
+fn walls_of_streets(bencher: Bencher<'_, '_>, count: usize) {
+    walls(bencher, &streets(count));
+}
+
+/// The same along one way, up and to the right by turns.
+#[divan::bench(sample_count = 10, args = SIZES)]
+fn walls_of_a_chain(bencher: Bencher<'_, '_>, count: usize) {
+    let corner = |index: usize| [index.div_ceil(2), index / 2].map(|steps| steps as f64 * 5.0);
+    let corridor = |index| corridor(corner(index), corner(index + 1), 2.0);
+    walls(bencher, &(0..count).map(corridor).collect::<Vec<_>>());
+}
+
+fn walls(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>]) {
+    let (mut walls, mut memory) = (Walls::default(), Complement::default());
+    bencher.counter(ItemsCount::new(channels.len())).bench_local(|| {
+        walls.set_complement(black_box(channels), None, &mut memory);
+        walls.as_slice().len()
+    });
+}
+
+/// Around the line between two points, metres.
+fn corridor(from: [f64; 2], to: [f64; 2], width: f64) -> AxisBox<2> {
+    let (from, to, half) = (Vector::from(from), Vector::from(to), Vector::repeat(width / 2.0));
+    AxisBox::new(from.inf(&to) - half, from.sup(&to) + half).expect("a corridor")
+}
+
+/// A robot's scene, given as solids.
+struct Floor {
+    solids: Vec<AxisBox<2>>,
+    bounds: AxisBox<2>,
+    footprint: Footprint,
+    gap: f64,
+    start: Pose,
+    goal: Goal,
+}
+
+impl Floor {
+    /// All is solid within 1 m around `free`, but for that.
+    fn around(free: &[AxisBox<2>], start: [f64; 2], goal: [f64; 2]) -> Self {
+        let union = free.iter().map(|free| (free.min(), free.max()));
+        let (min, max) = union.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1))).expect("free space");
+        let (min, max) = (min - Vector::repeat(1.0), max + Vector::repeat(1.0));
+        let lines = [0, 1].map(|axis| {
+            let sides = free.iter().flat_map(|free| [free.min()[axis], free.max()[axis]]);
+            let mut lines: Vec<_> = sides.chain([min[axis], max[axis]]).collect();
+            lines.sort_unstable_by(f64::total_cmp);
+            lines.dedup();
+            lines
+        });
+        let mut solids = Vec::new();
+        for row in lines[1].windows(2) {
+            // What is solid in this row, up to where free space or the floor ends it.
+            let mut begin = min[0];
+            for x in lines[0].windows(2) {
+                let cell = space([x[0], row[0]], [x[1], row[1]]);
+                if free.iter().any(|free| free.contains(&cell)) {
+                    solids.extend(AxisBox::new([begin, row[0]].into(), [x[0], row[1]].into()));
+                    begin = x[1];
+                }
+            }
+            solids.extend(AxisBox::new([begin, row[0]].into(), [max[0], row[1]].into()));
+        }
+        Self {
+            solids,
+            bounds: AxisBox::new(min, max).expect("a floor"),
+            footprint: Footprint::new(0.6, 0.9).expect("a footprint"),
+            gap: 0.2,
+            start: Pose { position: start.into(), heading: std::f64::consts::FRAC_PI_2 },
+            goal: Goal { position: goal.into(), heading: None },
+        }
+    }
+
+    /// Corridors 3 m wide along a way that begins upwards.
+    fn along(way: &[[f64; 2]]) -> Self {
+        let free: Vec<_> = way.windows(2).map(|ends| corridor(ends[0], ends[1], 3.0)).collect();
+        Self::around(&free, way[0], way[way.len() - 1])
+    }
+
+    fn l_turn() -> Self {
+        Self::along(&[[0., 0.], [0., 10.], [10., 10.]])
+    }
+
+    fn zigzag() -> Self {
+        let corner = |index: usize| [index / 2, index.div_ceil(2)].map(|steps| steps as f64 * 8.0);
+        Self::along(&(0..=6).map(corner).collect::<Vec<_>>())
+    }
+
+    /// Up and down by turns, two turns at every end: 20.
+    fn serpentine() -> Self {
+        let corner = |index: usize| {
+            let up = !index.div_ceil(2).is_multiple_of(2);
+            [(index / 2) as f64 * 5.0, if up { 12.0 } else { 0.0 }]
+        };
+        Self::along(&(0..=21).map(corner).collect::<Vec<_>>())
+    }
+
+    /// The floor of recordings/scenes/office.yaml: corridors, four rooms with doors, a pillar.
+    fn office() -> Self {
+        let free = [
+            ([0.7, 3.9], [0.7, 8.6]),
+            ([0.7, 19.3], [5.4, 8.6]),
+            ([16.1, 19.3], [5.4, 13.3]),
+            ([0.7, 7.9], [8.8, 13.3]),
+            ([4.6, 6.2], [8.6, 8.8]),
+            ([8.1, 15.9], [8.8, 13.3]),
+            ([11.0, 12.6], [8.6, 8.8]),
+            ([4.1, 10.0], [0.7, 5.2]),
+            ([7.0, 8.6], [5.2, 5.4]),
+            ([10.2, 19.3], [0.7, 5.2]),
+            ([13.0, 14.6], [5.2, 5.4]),
+        ];
+        let free = free.map(|(x, y)| space([x[0], y[0]], [x[1], y[1]]));
+        let mut floor = Self::around(&free, [2.3, 2.0], [17.6, 12.0]);
+        floor.solids.push(space([14.0, 11.0], [14.6, 11.6]));
+        floor
+    }
+}
+
+/// All that is made from a floor, in memory that is used again.
+#[derive(Default)]
+struct Planner {
+    solids: Solids<2>,
+    channels: Vec<AxisBox<2>>,
+    graph: Graph<2>,
+    router: Router<2, route::Driving>,
+    travelled: Vec<AxisBox<2>>,
+    chain: Chain<2>,
+    corners: Vec<driving::Corner>,
+    walls: Walls<2>,
+    path: driving::Path,
+}
+
+impl Planner {
+    /// Channels, junctions, the shortest route, the path by the rules, its clearance to
+    /// the solids: nothing but memory is kept from the time before.
+    fn drive(&mut self, floor: &Floor) -> f64 {
+        let Floor { footprint, gap, start, goal, .. } = *floor;
+        self.solids.clear();
+        self.walls.clear();
+        for solid in &floor.solids {
+            self.solids.push_box(*solid);
+            self.walls.push_box(solid);
+        }
+        self.walls.index();
+        let least = Vector::repeat(footprint.width());
+        self.solids
+            .channels(&floor.bounds, &least, &Caps::default(), &mut self.channels)
+            .expect("channels");
+        self.graph.build(&self.channels, usize::MAX).expect("a graph");
+        let needs = Vector::repeat(limits::outer_radius(&footprint, gap));
+        let radius = footprint.width() / 2.0 + gap;
+        let mut robot = route::Driving::new(start.position, goal.position, needs, radius);
+        let Self { channels, graph, router, travelled, chain, corners, walls, path, .. } = self;
+        let found = router.find_judged(graph, &mut robot, usize::MAX, |route, _| {
+            travelled.clear();
+            travelled.extend(route.iter().map(|channel| channels[*channel]));
+            chain.build(travelled, &start.position, End::Goal(goal.position)).expect("a chain");
+            corners_of(chain, corners);
+            let task = Drive {
+                footprint,
+                start,
+                goal,
+                start_turn: StartTurn::InPlace,
+                first: travelled[0],
+                last: travelled[travelled.len() - 1],
+                corners,
+                walls,
+            };
+            match drive(&task, Gaps::Uniform(gap), path) {
+                Ok(()) => Judgement::Length(path.length()),
+                Err(error) => path.judgement(&error),
+            }
+        });
+        found.expect("a route");
+        self.path.length()
+    }
+}
+
+#[divan::bench(args = ["l_turn", "zigzag of 5", "serpentine of 20", "office"])]
+fn drive_from_solids(bencher: Bencher<'_, '_>, name: &str) {
+    let (floor, turns) = match name {
+        "l_turn" => (Floor::l_turn(), 1),
+        "zigzag of 5" => (Floor::zigzag(), 5),
+        "serpentine of 20" => (Floor::serpentine(), 20),
+        _ => (Floor::office(), 2),
+    };
+    let mut planner = Planner::default();
+    planner.drive(&floor);
+    assert_eq!(planner.corners.len(), turns);
+    bencher.bench_local(|| planner.drive(black_box(&floor)));
+}
+
+#[divan::bench]
+fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
+    let female: [[f64; 2]; 12] = [
+        [0., 0.],
+        [0., 7.],
+        [1., 7.],
+        [1., 2.],
+        [4., 2.],
+        [4., 1.],
+        [7., 1.],
+        [7., 6.],
+        [5., 6.],
+        [5., 7.],
+        [8., 7.],
+        [8., 0.],
+    ];
+    let female = Polygon::new(female.map(Vector::from).to_vec()).expect("a polygon");
+    let male = space([4.5, 1.01], [6.99, 4.0]);
+    let (mut planner, mut router) = (Planner::default(), Router::default());
+    let (mut path, gap) = (disassembly::Path::default(), Gap::Uniform(0.2));
+    bencher.bench_local(|| {
+        let Planner { solids, channels, graph, travelled, chain, .. } = &mut planner;
+        solids.clear();
+        solids.push_polygon(black_box(&female), 0.02, &Caps::default()).expect("a solid");
+        let cavity = solids.cavity(&male, UP).expect("a cavity");
+        solids.channels(&cavity, &male.size(), &Caps::default(), channels).expect("channels");
+        graph.build(channels, usize::MAX).expect("a graph");
+        let mut body = Translating::new(&male, gap, End::Exit(UP)).expect("a body");
+        router.find(graph, &mut body, usize::MAX).expect("a route");
+        travelled.clear();
+        travelled.extend(router.route().iter().map(|channel| channels[*channel]));
+        chain.build(travelled, &male.center(), End::Exit(UP)).expect("a chain");
+        disassemble(chain, &male, gap, &mut path).expect("a path");
+        path.length()
     });
 }

@@ -147,6 +147,8 @@ impl Direction {
 
 pub mod box_tree;
 pub mod polygon;
+#[cfg(test)]
+pub(crate) mod work;
 
 /// The unit vector at `angle` radians counter-clockwise from +x.
 pub(crate) fn unit(angle: f64) -> Vector<2> {

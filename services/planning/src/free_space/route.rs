@@ -4,6 +4,7 @@ use super::graph::Graph;
 use super::{Corner, End, HalfSpace, all_axes, longest, mouth_of, proper, towards};
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use std::collections::BinaryHeap;
+use std::mem;
 
 mod blocked;
 mod driving;
@@ -27,6 +28,11 @@ const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 
 /// How many routes may be blocked before the search is given up.
 const MOST_BLOCKED: usize = 16;
+
+/// By how many times the steps of the first search the second may take more, and how many in
+/// any case.
+const EFFORT: usize = 8;
+const LEAST_EFFORT: usize = 1 << 16;
 
 /// No set of directions.
 const UNKNOWN: u8 = u8::MAX;
@@ -87,6 +93,8 @@ pub struct Router<const D: usize, M: Motion<D>> {
     steps: usize,
     route: Vec<usize>,
     length: f64,
+    /// For the outline of a motion.
+    first: Option<Box<Router<D, Translating<D>>>>,
 }
 
 impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
@@ -101,6 +109,7 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
             steps: 0,
             route: Vec::new(),
             length: 0.0,
+            first: None,
         }
     }
 }
@@ -174,7 +183,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         graph: &Graph<D>,
         motion: &mut M,
         most_steps: usize,
-        judge: &mut impl FnMut(&[usize], f64) -> Judgement,
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
     ) -> Result<(), RouteError> {
         if graph.channels().is_empty() {
             return Err(RouteError::NoChannels);
@@ -185,21 +194,102 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             End::Goal(_) => None,
         };
         let search = Search { graph, traveller, mouth };
-        self.onwards.clear();
-        self.onwards.resize(graph.slot_count(), UNKNOWN);
         search.find_starts(&mut self.starts)?;
         search.check_goal()?;
+        if !self.is_connected(&search) {
+            return self.judge_any(&search, most_steps, judge);
+        }
+        self.onwards.clear();
+        self.onwards.resize(graph.slot_count(), UNKNOWN);
+        let Some(outline) = motion.outline() else {
+            return self.find_shortest(&search, motion, (f64::INFINITY, most_steps), judge);
+        };
+        self.find_from_outline(&search, motion, outline, most_steps, judge)
+    }
+
+    /// Finds a route by the outline of the motion, and then looks for a shorter one.
+    fn find_from_outline(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        mut outline: Translating<D>,
+        most_steps: usize,
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        let mut first = mem::take(&mut self.first).unwrap_or_default();
+        let mut length = f64::INFINITY;
+        let found = first.find_judged(search.graph, &mut outline, most_steps, |route, along| {
+            let judgement = judge(route, along);
+            if let Judgement::Length(exact) = judgement {
+                length = exact;
+                return Judgement::Length(along);
+            }
+            judgement
+        });
+        let effort = EFFORT * first.steps + LEAST_EFFORT;
+        let found = match found {
+            Ok(()) => match self.find_shortest(search, motion, (length, effort), judge) {
+                Ok(()) => Ok(()),
+                // None is shorter, or it would take too long to tell.
+                Err(_) => {
+                    self.route.clone_from(&first.route);
+                    judge(&self.route, length);
+                    self.length = length;
+                    Ok(())
+                }
+            },
+            Err(RouteError::Blocked) => {
+                let shortest = self.find_shortest(search, motion, (f64::INFINITY, effort), judge);
+                shortest.map_err(|_| RouteError::Blocked)
+            }
+            Err(error) => Err(error),
+        };
+        self.first = Some(first);
+        found
+    }
+
+    /// Finds the shortest route that is shorter than a bound, looking at no more than so
+    /// many pairs of junctions.
+    fn find_shortest(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        bounds: (f64, usize),
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
         for blocked in 0..MOST_BLOCKED {
-            match self.search(&search, motion, most_steps, judge)? {
+            match self.search(search, motion, bounds, judge)? {
                 Found::Route => return Ok(()),
                 Found::Blocked => {}
-                Found::Nothing if blocked == 0 => {
-                    return self.judge_any(&search, most_steps, judge);
-                }
+                Found::Nothing if blocked == 0 => return self.judge_any(search, bounds.1, judge),
                 Found::Nothing | Found::Hopeless => break,
             }
         }
         Err(RouteError::Blocked)
+    }
+
+    /// Whether junctions that are large enough lead from a start to an end.
+    fn is_connected(&mut self, search: &Search<'_, D>) -> bool {
+        let Self { starts, route: open, .. } = self;
+        let mut seen = vec![false; search.graph.channels().len()];
+        open.clear();
+        open.extend_from_slice(starts);
+        starts.iter().for_each(|start| seen[*start] = true);
+        while let Some(channel) = open.pop() {
+            if search.ends_in(channel) {
+                open.clear();
+                return true;
+            }
+            for slot in search.graph.slots(channel) {
+                let next = search.graph.neighbour_at(slot);
+                let passable = || search.passable(&search.graph.channels()[channel], slot);
+                if !seen[next] && passable().is_some() {
+                    seen[next] = true;
+                    open.push(next);
+                }
+            }
+        }
+        false
     }
 
     /// Says why there is no route. If nothing can be said but that the path can't be made
@@ -208,7 +298,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         &mut self,
         search: &Search<'_, D>,
         most_steps: usize,
-        judge: &mut impl FnMut(&[usize], f64) -> Judgement,
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
     ) -> Result<(), RouteError> {
         self.route = refusal::why_not(search, &self.starts, most_steps)?;
         match judge(&self.route, f64::INFINITY) {
@@ -224,8 +314,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         &mut self,
         search: &Search<'_, D>,
         motion: &mut M,
-        most_steps: usize,
-        judge: &mut impl FnMut(&[usize], f64) -> Judgement,
+        (bound, most_steps): (f64, usize),
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
     ) -> Result<Found, RouteError> {
         self.labels.clear();
         self.ends.clear();
@@ -236,6 +326,9 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             self.start_in(search, motion, self.starts[index]);
         }
         while let Some(entry) = self.open.pop() {
+            if entry.estimate >= bound {
+                return Ok(Found::Hopeless);
+            }
             if entry.slot == NONE {
                 let Ending { length, before, .. } = self.ends[entry.label as usize];
                 self.trace(entry.label);

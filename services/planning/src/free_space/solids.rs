@@ -5,6 +5,8 @@ use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use sweep::Sweep;
 use thiserror::Error;
 
+mod axis;
+mod candidates;
 mod outline;
 mod sweep;
 
@@ -15,12 +17,12 @@ pub struct Caps {
     pub pieces: usize,
     /// Channels found, and boxes considered at one time.
     pub channels: usize,
-    /// Boxes looked at, in all: bounds the time, about 10 ns each.
+    /// Boxes looked at, in all: bounds the time, 10 to 100 ns each.
     pub steps: usize,
 }
 
 impl Default for Caps {
-    /// 2^21 pieces, 2^20 channels, 2^30 steps (some ten seconds).
+    /// 2^21 pieces, 2^20 channels, 2^30 steps (ten seconds and more).
     fn default() -> Self {
         Self { pieces: 1 << 21, channels: 1 << 20, steps: 1 << 30 }
     }
@@ -65,9 +67,10 @@ pub enum SolidsError {
 
 /// Solids, cut into boxes. Reusable memory.
 ///
-/// They may touch, overlap, and be given twice. It holds `16 D + 4` bytes per box, and
-/// from looking for channels `66 D + 16` more, and `16 D + 8` per box considered at
-/// one time besides the nodes of an index (16 bytes, at most 48 per such box).
+/// They may touch, overlap, and be given twice. It holds `16 D + 4` bytes per box; from
+/// looking for channels `48 D + 40` more, or `67 D + 56` where more than a few sides lie
+/// in one place; `8 D` per channel; and `8 D + 4` per box considered at one time besides
+/// an index of them (nodes of `8 D + 20` bytes, as a rule one for every five boxes).
 #[derive(Debug, Clone, Default)]
 pub struct Solids<const D: usize> {
     boxes: Vec<AxisBox<D>>,
@@ -178,20 +181,7 @@ impl<const D: usize> Solids<D> {
             let (has, most) = (self.boxes.len(), caps.pieces);
             return Err(SolidsError::TooManyPieces { has, most });
         }
-        let result = self.sweep.run(&self.boxes, bounds, body, caps, channels);
-        if result.is_err() {
-            channels.clear();
-        }
-        channels.sort_unstable_by(|a, b| {
-            let corners = |channel: &AxisBox<D>| [channel.min(), channel.max()];
-            let (a, b) = (corners(a), corners(b));
-            let pairs = a.iter().zip(&b).flat_map(|(a, b)| a.iter().zip(b.iter()));
-            pairs
-                .map(|(a, b)| a.total_cmp(b))
-                .find(|order| order.is_ne())
-                .unwrap_or(std::cmp::Ordering::Equal)
-        });
-        result
+        self.sweep.run(&self.boxes, bounds, body, caps, channels)
     }
 }
 

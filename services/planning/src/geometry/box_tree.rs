@@ -68,6 +68,12 @@ impl<const D: usize> BoxTree<D> {
         }
     }
 
+    /// What it holds at least, bytes.
+    #[cfg(test)]
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.order) + size_of_val(&*self.nodes)
+    }
+
     /// Calls `visit` with the index of every box that comes as near as `reach`
     /// (metres, may be infinite) to the box from `min` to `max`, roughly the
     /// nearest first. `visit` returns the reach from there on; a negative one
@@ -120,6 +126,72 @@ impl<const D: usize> BoxTree<D> {
         }
     }
 
+    /// Calls `visit` with the indices of every two boxes whose interiors meet (all
+    /// must have one), each pair once. It returns whether to go on.
+    ///
+    /// Cheaper than a visit for every box: what is far from a whole group of boxes is
+    /// passed over once for all of them.
+    pub(crate) fn pairs(&self, mut visit: impl FnMut(usize, usize) -> bool) {
+        if let Some(top) = self.levels.len().checked_sub(1) {
+            self.pairs_within(top, 0, &mut visit);
+        }
+    }
+
+    fn pairs_within(
+        &self,
+        level: usize,
+        place: usize,
+        visit: &mut impl FnMut(usize, usize) -> bool,
+    ) -> bool {
+        let Some(below) = level.checked_sub(1) else { return true };
+        let children = self.children(level, place);
+        children.clone().all(|one| {
+            self.pairs_within(below, one, visit)
+                && (one + 1..children.end).all(|other| self.pairs_of(below, one, other, visit))
+        })
+    }
+
+    fn pairs_of(
+        &self,
+        level: usize,
+        one: usize,
+        other: usize,
+        visit: &mut impl FnMut(usize, usize) -> bool,
+    ) -> bool {
+        !meet(self.node(level, one), self.node(level, other))
+            || self.pairs_between(level, one, other, visit)
+    }
+
+    fn pairs_between(
+        &self,
+        level: usize,
+        one: usize,
+        other: usize,
+        visit: &mut impl FnMut(usize, usize) -> bool,
+    ) -> bool {
+        let Some(below) = level.checked_sub(1) else {
+            return visit(self.order[one].1 as usize, self.order[other].1 as usize);
+        };
+        // Only what reaches into the part common to both can meet.
+        let (one_bounds, other_bounds) = (self.node(level, one), self.node(level, other));
+        let common = (one_bounds.0.sup(&other_bounds.0), one_bounds.1.inf(&other_bounds.1));
+        let mut among = [0; FAN];
+        let mut count = 0;
+        for child in self.children(level, other) {
+            among[count] = child;
+            count += usize::from(meet(self.node(below, child), &common));
+        }
+        self.children(level, one).filter(|child| meet(self.node(below, *child), &common)).all(
+            |child| among[..count].iter().all(|other| self.pairs_of(below, child, *other, visit)),
+        )
+    }
+
+    fn node(&self, level: usize, place: usize) -> &Bounds<D> {
+        #[cfg(test)]
+        super::work::look();
+        &self.nodes[self.levels[level] + place]
+    }
+
     fn children(&self, level: usize, place: usize) -> std::ops::Range<usize> {
         let below = self.levels[level] - self.levels[level - 1];
         place * FAN..below.min((place + 1) * FAN)
@@ -132,7 +204,7 @@ impl<const D: usize> BoxTree<D> {
         min: &Vector<D>,
         max: &Vector<D>,
     ) -> f64 {
-        let (low, high) = &self.nodes[self.levels[level] + place];
+        let (low, high) = self.node(level, place);
         distance_squared_box_box((low, high), (min, max))
     }
 }
@@ -149,6 +221,11 @@ pub(crate) fn distance_squared_box_box<const D: usize>(
         sum += apart * apart;
     }
     sum
+}
+
+fn meet<const D: usize>(a: &Bounds<D>, b: &Bounds<D>) -> bool {
+    // Without branches: along which axis they are apart can't be foreseen.
+    (0..D).fold(true, |meet, axis| meet & (a.0[axis] < b.1[axis]) & (b.0[axis] < a.1[axis]))
 }
 
 fn union<const D: usize>(a: &Bounds<D>, b: &Bounds<D>) -> Bounds<D> {
@@ -204,6 +281,33 @@ mod tests {
                 distance_squared_box_box((min, max), (&at, &at)) <= reach * reach
             };
             prop_assert_eq!(found, (0..boxes.len()).filter(near).collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn every_meeting_pair_is_found_once(boxes in boxes(), most in 1..50_usize) {
+            let has_interior = |(min, max): &&Bounds<3>| (0..3).all(|axis| min[axis] < max[axis]);
+            let boxes: Vec<_> = boxes.iter().filter(has_interior).copied().collect();
+            let mut tree = BoxTree::default();
+            tree.build(boxes.len(), |index| boxes[index]);
+            let mut found = Vec::new();
+            tree.pairs(|a, b| {
+                found.push((a.min(b), a.max(b)));
+                true
+            });
+            found.sort_unstable();
+            let meeting = |(a, b): &(usize, usize)| {
+                let (a, b) = (&boxes[*a], &boxes[*b]);
+                (0..3).all(|axis| a.0[axis].max(b.0[axis]) < a.1[axis].min(b.1[axis]))
+            };
+            let pairs = (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| (a, b)));
+            prop_assert_eq!(&found, &pairs.filter(meeting).collect::<Vec<_>>());
+            // No more after the first for which not to go on.
+            let mut count = 0;
+            tree.pairs(|_, _| {
+                count += 1;
+                count < most
+            });
+            prop_assert_eq!(count, found.len().min(most));
         }
 
         #[test]

@@ -2,7 +2,6 @@
 
 use super::{FEW, Wall, Walls};
 use crate::free_space::HalfSpace;
-use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 use std::cmp::Ordering;
 
@@ -20,10 +19,17 @@ struct Piece<const D: usize> {
 /// Memory for [`Walls::set_complement`], used again.
 #[derive(Debug, Clone, Default)]
 pub struct Complement<const D: usize> {
-    tree: BoxTree<D>,
     neighbours: Vec<usize>,
     /// All pieces found; behind them those of the side being worked on.
     pieces: Vec<Piece<D>>,
+}
+
+#[cfg(test)]
+impl<const D: usize> Complement<D> {
+    /// What it holds, bytes.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&*self.neighbours) + size_of_val(&*self.pieces)
+    }
 }
 
 impl<const D: usize> Walls<D> {
@@ -42,8 +48,10 @@ impl<const D: usize> Walls<D> {
         memory: &mut Complement<D>,
     ) {
         self.clear();
-        let Complement { tree, neighbours, pieces } = memory;
+        let Complement { neighbours, pieces } = memory;
         pieces.clear();
+        // The index of the channels first, and of the walls when that is done with.
+        let tree = &mut self.tree;
         if channels.len() > FEW {
             tree.build(channels.len(), |index| (channels[index].min(), channels[index].max()));
         }
@@ -73,6 +81,7 @@ impl<const D: usize> Walls<D> {
                 }
             }
         }
+        tree.clear();
         pieces.sort_unstable_by(compare);
         let mut last: Option<Piece<D>> = None;
         for piece in &*pieces {
@@ -123,6 +132,8 @@ fn add_uncovered<const D: usize>(
     pieces.push(side);
     let at = side.min[side.axis];
     for &index in neighbours {
+        #[cfg(test)]
+        crate::geometry::work::look();
         if index == owner {
             continue;
         }

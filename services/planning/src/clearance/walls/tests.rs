@@ -1,7 +1,8 @@
 use super::*;
 use crate::free_space::HalfSpace;
+use crate::free_space::graph::tests::streets;
 use crate::free_space::random::scenes;
-use crate::geometry::Direction;
+use crate::geometry::{Direction, work};
 use proptest::prelude::*;
 
 fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
@@ -261,18 +262,19 @@ proptest! {
     }
 }
 
-/// How many walls a search looks at in a long chain.
+/// Channels up and to the right by turns.
+fn chain(count: usize) -> Vec<AxisBox<2>> {
+    let corners = (0..count).map(|i| (5.0 * (i / 2) as f64, 5.0 * i.div_ceil(2) as f64));
+    let channels = corners.enumerate().map(|(i, (x, z))| {
+        let (right, up) = if i % 2 == 0 { (1.0, 6.0) } else { (6.0, 1.0) };
+        space([x - 1.0, z - 1.0], [x + right, z + up])
+    });
+    channels.collect()
+}
+
 #[test]
 fn search_looks_at_few_of_many_walls() {
-    let corners = (0..4000).map(|i| (5.0 * f64::from(i / 2), 5.0 * f64::from((i + 1) / 2)));
-    let channels: Vec<_> = corners
-        .enumerate()
-        .map(|(i, (x, z))| {
-            let (right, up) = if i % 2 == 0 { (1.0, 6.0) } else { (6.0, 1.0) };
-            space([x - 1.0, z - 1.0], [x + right, z + up])
-        })
-        .collect();
-    let walls = complement(&channels, None);
+    let walls = complement(&chain(4000), None);
     assert!(walls.as_slice().len() > 4000);
     for at in [0.0, 2500.0, 5000.0, 9999.0] {
         let at = Vector::from([at, at]);
@@ -285,4 +287,26 @@ fn search_looks_at_few_of_many_walls() {
         });
         assert!(visits < 40, "{visits} of {}", walls.as_slice().len());
     }
+}
+
+#[test]
+fn work_of_the_complement_grows_as_n_log_n() {
+    let check = |factor, channels: fn(usize) -> Vec<AxisBox<2>>| {
+        work::check_n_log_n(factor, &[150, 1_000, 10_000, 100_000], |size| {
+            let channels = channels(size);
+            (channels.len(), work::looks(|| drop(complement(&channels, None))))
+        });
+    };
+    check(4.5, chain);
+    check(10.5, streets);
+}
+
+#[test]
+fn memory_is_as_documented() {
+    let (mut walls, mut made) = (Walls::default(), Complement::default());
+    walls.set_complement(&chain(10_000), None, &mut made);
+    let Walls { walls: list, solids, tree } = &walls;
+    let held = size_of_val(&**list) + size_of_val(&**solids) + tree.memory() + made.memory();
+    assert!(held <= 320 * 10_000, "{held} bytes");
+    assert!(held > 310 * 10_000, "{held} bytes");
 }

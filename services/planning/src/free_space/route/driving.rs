@@ -1,15 +1,15 @@
 //! A robot that turns about corners on guiding circles.
 
-use super::Search;
 use super::label::{Label, NONE};
 use super::traveller::{Motion, Step, Traveller};
+use super::{Search, Translating};
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::{Corner, End};
 use crate::geometry::box_tree::distance_squared_box_box;
 use crate::geometry::{AxisBox, Sign, Vector, unrotated};
 use cone::Cone;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 mod cone;
 
@@ -186,6 +186,12 @@ impl Motion<2> for Driving {
 
     fn traveller(&self) -> &Traveller<2> {
         &self.traveller
+    }
+
+    /// By straight lines from point to point, where the bisector of each corner cuts its
+    /// guiding circle: the middle of the arc of a full quarter turn.
+    fn outline(&self) -> Option<Translating<2>> {
+        Some(Translating::with_margin(self.traveller, self.radius * FRAC_1_SQRT_2))
     }
 
     fn enter(

@@ -23,6 +23,8 @@ enum Margin {
     Part(f64),
     /// The limit of (3.1).
     Middle,
+    /// This, metres, or up to the middle.
+    UpTo(f64),
 }
 
 impl<const D: usize> Translating<D> {
@@ -53,12 +55,19 @@ impl<const D: usize> Translating<D> {
         Ok(Self { traveller, margin })
     }
 
+    /// A traveller without extent that keeps this margin from the corners, in metres along
+    /// every axis, or as much as there is.
+    pub(super) fn with_margin(traveller: Traveller<D>, margin: f64) -> Self {
+        Self { traveller, margin: Margin::UpTo(margin) }
+    }
+
     /// The gap it keeps in a junction; `None` for the middle.
     fn gap_in(&self, junction: &AxisBox<D>) -> Option<Vector<D>> {
         match self.margin {
             Margin::Gap => Some(self.traveller.gap),
             Margin::Part(part) => Some((junction.size() - self.traveller.needs) / 2.0 * part),
             Margin::Middle => None,
+            Margin::UpTo(most) => Some((junction.size() / 2.0).map(|half| half.min(most))),
         }
     }
 

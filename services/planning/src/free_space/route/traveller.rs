@@ -1,7 +1,7 @@
 //! Who looks for a route, and how it moves.
 
-use super::Search;
 use super::label::Label;
+use super::{Search, Translating};
 use crate::free_space::{Corner, End};
 use crate::geometry::{AxisBox, Vector};
 use std::fmt;
@@ -66,6 +66,11 @@ pub trait Motion<const D: usize> {
 
     /// Who moves.
     fn traveller(&self) -> &Traveller<D>;
+
+    /// A motion much like this one by which a route is found quickly.
+    fn outline(&self) -> Option<Translating<D>> {
+        None
+    }
 
     /// The steps from a label (`NONE`: from the start) into a junction, as far as they
     /// can be part of a shortest way.

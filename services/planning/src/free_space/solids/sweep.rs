@@ -11,93 +11,92 @@
 //! found twice: of two candidates that leave the same part, one would contain the
 //! other.
 
+use super::axis::Axis;
+use super::candidates::Candidates;
 use super::{Caps, SolidsError};
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
-
-const NONE: u32 = u32::MAX;
-
-/// How often the extent along an axis is halved.
-const DEPTH: u32 = 24;
 
 /// Up to so many solids are looked at without the index.
 const FEW: usize = 16;
 
 const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 
-#[derive(Debug, Clone, Copy)]
-struct Part<const D: usize> {
-    min: Vector<D>,
-    max: Vector<D>,
+/// A box, by the ranks of its coordinates. The order is that of channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Part<const D: usize> {
+    pub(super) min: [u32; D],
+    pub(super) max: [u32; D],
 }
 
 impl<const D: usize> Part<D> {
-    fn side(&self, axis: usize, sign: Sign) -> f64 {
+    pub(super) fn side(&self, axis: usize, sign: Sign) -> u32 {
         match sign {
             Sign::Negative => self.min[axis],
             Sign::Positive => self.max[axis],
         }
     }
 
-    fn coordinates(&self) -> impl Iterator<Item = f64> {
-        self.min.iter().chain(self.max.iter()).copied()
+    pub(super) fn side_mut(&mut self, axis: usize, sign: Sign) -> &mut u32 {
+        match sign {
+            Sign::Negative => &mut self.min[axis],
+            Sign::Positive => &mut self.max[axis],
+        }
+    }
+
+    /// The smallest box around both.
+    pub(super) fn around(&self, other: &Self) -> Self {
+        Self {
+            min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
+            max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
+        }
     }
 
     /// A number that has nothing to do with where it is.
     fn shuffled(&self) -> u64 {
         // The mixing steps of the SplitMix64 generator.
-        self.coordinates().fold(0, |hash: u64, coordinate| {
-            let mixed = (hash ^ coordinate.to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        self.min.iter().chain(&self.max).fold(0, |hash: u64, rank| {
+            let mixed = (hash ^ u64::from(*rank)).wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
             mixed ^ mixed >> 31
         })
     }
 
-    fn overlaps(&self, other: &Self, axis: usize) -> bool {
+    pub(super) fn overlaps(&self, other: &Self, axis: usize) -> bool {
         self.min[axis] < other.max[axis] && other.min[axis] < self.max[axis]
     }
 }
 
-/// A node of the index of candidates: a tree of halved extents along the first
-/// axis, where what lies across the middle is kept in a tree along the next.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    less: u32,
-    more: u32,
-    /// The tree along the next axis; behind the last, the first candidate.
-    across: u32,
-    /// Candidates in this tree.
-    count: u32,
-}
-
-const LEAF: Node = Node { less: NONE, more: NONE, across: NONE, count: 0 };
-
-#[derive(Debug, Clone, Copy)]
-struct Candidate<const D: usize> {
-    part: Part<D>,
-    /// The next one in the same node, or the next unused one.
-    next: u32,
+/// A solid within the bounds. The order is that in which they are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Solid<const D: usize> {
+    /// Where it begins along the sweep; of those that begin together, one before the
+    /// other without rhyme or reason: from one end to the other, each would look at
+    /// all that come later.
+    turn: u64,
+    pub(super) part: Part<D>,
 }
 
 /// Reusable memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sweep<const D: usize> {
-    solids: Vec<Part<D>>,
+    solids: Vec<Solid<D>>,
+    axes: Vec<Axis>,
+    ends: Vec<(f64, u32)>,
+    /// Over the solids, where some side has more than a few in one place.
     tree: BoxTree<D>,
-    /// Per axis and side: where the solids have it, in ascending order.
-    sides: Vec<(f64, u32)>,
-    nodes: Vec<Node>,
-    candidates: Vec<Candidate<D>>,
-    /// The first unused candidate.
-    unused: u32,
-    hit: Vec<u32>,
-    steps: usize,
+    candidates: Candidates<D>,
+    hit: Vec<Part<D>>,
+    found: Vec<Part<D>>,
+    /// Boxes looked at, in all.
+    pub(super) steps: usize,
 }
 
 /// What stays the same during a sweep.
 struct Scene<'a, const D: usize> {
     bounds: Part<D>,
+    body: &'a Vector<D>,
     caps: &'a Caps,
 }
 
@@ -110,33 +109,38 @@ impl<const D: usize> Sweep<D> {
         caps: &Caps,
         channels: &mut Vec<AxisBox<D>>,
     ) -> Result<(), SolidsError> {
-        self.take_in(solids, bounds);
-        self.nodes.clear();
-        self.nodes.push(LEAF);
+        let bounds = self.take_in(solids, bounds);
         self.candidates.clear();
-        self.unused = NONE;
+        self.found.clear();
         self.steps = 0;
+        self.sweep(&Scene { bounds, body, caps })?;
 
-        let bounds = Part { min: bounds.min(), max: bounds.max() };
-        let scene = Scene { bounds, caps };
-        if (0..D).all(|axis| is_larger(&bounds, axis, body)) {
-            self.insert(bounds, &scene)?;
+        self.found.sort_unstable();
+        let corner = |ranks: &[u32; D]| Vector::from_fn(|axis, _| self.axes[axis].at(ranks[axis]));
+        // Their extents are positive, so this does not fail.
+        let boxes =
+            self.found.iter().flat_map(|part| AxisBox::new(corner(&part.min), corner(&part.max)));
+        channels.extend(boxes);
+        Ok(())
+    }
+
+    fn sweep(&mut self, scene: &Scene<'_, D>) -> Result<(), SolidsError> {
+        let Scene { bounds, caps, .. } = scene;
+        if (0..D).all(|axis| self.is_larger(bounds, axis, scene)) {
+            self.insert(*bounds, scene)?;
         }
         let last = D - 1;
         for index in 0..self.solids.len() {
-            let solid = self.solids[index];
+            let solid = self.solids[index].part;
             self.hit.clear();
-            self.take(0, 0, (bounds.min[0], bounds.max[0]), &solid, &bounds);
+            self.steps += self.candidates.take(&solid, &mut self.hit);
             for position in 0..self.hit.len() {
-                let hit = self.hit[position] as usize;
-                let part = self.candidates[hit].part;
-                self.candidates[hit].next = self.unused;
-                self.unused = self.hit[position];
-
+                let part = self.hit[position];
                 let mut before = part;
                 before.max[last] = solid.min[last];
-                if is_larger(&before, last, body) && self.is_held(&before, index, &scene, last) {
-                    push(&before, caps, channels)?;
+                if self.is_larger(&before, last, scene) && self.is_held(&before, index, scene, last)
+                {
+                    self.push(before, caps)?;
                 }
                 for axis in 0..last {
                     for sign in SIGNS {
@@ -145,74 +149,101 @@ impl<const D: usize> Sweep<D> {
                             Sign::Negative => beside.max[axis] = solid.min[axis],
                             Sign::Positive => beside.min[axis] = solid.max[axis],
                         }
-                        if is_larger(&beside, axis, body)
-                            && self.is_held(&beside, index, &scene, axis)
+                        if self.is_larger(&beside, axis, scene)
+                            && self.is_held(&beside, index, scene, axis)
                         {
-                            self.insert(beside, &scene)?;
+                            self.insert(beside, scene)?;
                         }
                     }
                 }
                 let mut behind = part;
                 behind.min[last] = solid.max[last];
-                if is_larger(&behind, last, body) && self.is_held(&behind, index, &scene, last) {
-                    self.insert(behind, &scene)?;
+                if self.is_larger(&behind, last, scene) && self.is_held(&behind, index, scene, last)
+                {
+                    self.insert(behind, scene)?;
                 }
+                self.check_steps(caps)?;
             }
-            if self.steps > caps.steps {
-                return Err(SolidsError::TooIntricate { has: self.steps, most: caps.steps });
-            }
+            self.check_steps(caps)?;
         }
         // What is left is a channel up to the far end of the bounds.
         self.hit.clear();
-        self.take(0, 0, (bounds.min[0], bounds.max[0]), &bounds, &bounds);
-        for hit in &self.hit {
-            push(&self.candidates[*hit as usize].part, caps, channels)?;
+        self.candidates.take(bounds, &mut self.hit);
+        for position in 0..self.hit.len() {
+            self.push(self.hit[position], caps)?;
         }
         Ok(())
     }
 
-    /// The solids in the order of the sweep, cut off at the bounds, each once.
-    fn take_in(&mut self, solids: &[AxisBox<D>], bounds: &AxisBox<D>) {
-        let inside = solids.iter().filter_map(|solid| solid.intersection(bounds));
+    /// The solids in the order of the sweep, cut off at the bounds, each once; the
+    /// bounds themselves.
+    fn take_in(&mut self, solids: &[AxisBox<D>], bounds: &AxisBox<D>) -> Part<D> {
+        let inside = || solids.iter().filter_map(|solid| solid.intersection(bounds));
+        let unknown = Part { min: [0; D], max: [0; D] };
         self.solids.clear();
-        self.solids.extend(inside.map(|solid| Part { min: solid.min(), max: solid.max() }));
-        // Solids that begin together come in an order without rhyme or reason:
-        // from one end to the other, each would look at all that come later.
-        self.solids.sort_unstable_by(|a, b| {
-            let begin = a.min[D - 1].total_cmp(&b.min[D - 1]);
-            let shuffled = begin.then_with(|| a.shuffled().cmp(&b.shuffled()));
-            shuffled.then_with(|| {
-                let pairs = a.coordinates().zip(b.coordinates());
-                let order = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
-                order.unwrap_or(std::cmp::Ordering::Equal)
-            })
-        });
-        self.solids.dedup_by(|a, b| a.min == b.min && a.max == b.max);
-        let solids = &self.solids;
-        self.tree.build(solids.len(), |index| (solids[index].min, solids[index].max));
-        self.sides.clear();
-        for axis in 0..D {
-            for sign in SIGNS {
-                let begin = self.sides.len();
-                let at = solids.iter().map(|solid| solid.side(axis, sign));
-                self.sides.extend(at.zip(0..));
-                self.sides[begin..]
-                    .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            }
+        self.solids.extend(inside().chain([*bounds]).map(|_| Solid { turn: 0, part: unknown }));
+        self.axes.resize_with(D, Axis::default);
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let all = inside().chain([*bounds]);
+            let extents = all.map(|solid| (solid.min()[index], solid.max()[index]));
+            axis.rank(extents, &mut self.ends, |solid, sign, rank| {
+                let part = &mut self.solids[solid].part;
+                match sign {
+                    Sign::Negative => part.min[index] = rank,
+                    Sign::Positive => part.max[index] = rank,
+                }
+            });
         }
+        let bounds = self.solids.pop().map_or(unknown, |bounds| bounds.part);
+        for solid in &mut self.solids {
+            let begin = u64::from(solid.part.min[D - 1]);
+            solid.turn = begin << 32 | solid.part.shuffled() >> 32;
+        }
+        self.solids.sort_unstable();
+        self.solids.dedup();
+        let solids = &self.solids;
+        let axes = self.axes.iter_mut().enumerate();
+        let most = axes.map(|(index, axis)| axis.sort_sides(solids, index)).max();
+        self.tree.clear();
+        if most > Some(FEW) {
+            let corner = |ranks: &[u32; D]| Vector::from(ranks.map(f64::from));
+            let bounds = |index: usize| {
+                let part = &solids[index].part;
+                (corner(&part.min), corner(&part.max))
+            };
+            self.tree.build(solids.len(), bounds);
+        }
+        bounds
     }
 
-    /// The solids whose side towards a part lies where that has its own, by index.
-    fn facing(&self, axis: usize, sign: Sign, at: f64) -> &[(f64, u32)] {
-        let count = self.solids.len();
-        // The part's greatest side meets a solid's least.
-        let place = 2 * axis + usize::from(sign == Sign::Negative);
-        let sides = &self.sides[place * count..(place + 1) * count];
-        let begin = sides.partition_point(|side| side.0 < at);
-        let rest = &sides[begin..];
-        // Few are in one place, as a rule.
-        let few = rest.iter().take(FEW + 1).take_while(|side| side.0 == at).count();
-        if few <= FEW { &rest[..few] } else { rest }
+    fn check_steps(&self, caps: &Caps) -> Result<(), SolidsError> {
+        let (has, most) = (self.steps, caps.steps);
+        if has > most { Err(SolidsError::TooIntricate { has, most }) } else { Ok(()) }
+    }
+
+    /// What it holds, bytes: for the solids without and with the index over them, and
+    /// for each channel.
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> [usize; 3] {
+        let solids = size_of_val(&*self.solids) + size_of_val(&*self.ends);
+        let solids = solids + self.axes.iter().map(Axis::memory).sum::<usize>();
+        let tree = self.tree.memory();
+        [solids, solids + tree, size_of::<Part<D>>()]
+    }
+
+    /// Whether a part is larger than the body along an axis.
+    fn is_larger(&self, part: &Part<D>, axis: usize, scene: &Scene<'_, D>) -> bool {
+        let at = |rank| self.axes[axis].at(rank);
+        at(part.max[axis]) - at(part.min[axis]) > scene.body[axis].max(0.0)
+    }
+
+    fn push(&mut self, part: Part<D>, caps: &Caps) -> Result<(), SolidsError> {
+        let (has, most) = (self.found.len() + 1, caps.channels);
+        if has > most {
+            return Err(SolidsError::TooManyChannels { has, most });
+        }
+        self.found.push(part);
+        Ok(())
     }
 
     /// Whether a part left by the solid `newest` is held on every side by a solid
@@ -240,11 +271,11 @@ impl<const D: usize> Sweep<D> {
         if at == scene.bounds.side(axis, sign) {
             return true;
         }
-        let facing = self.facing(axis, sign, at);
+        let facing = self.axes[axis].facing(sign, at);
         if facing.len() <= FEW {
             // A solid that reaches further would reach into the part.
-            let touches = |(_, index): &(f64, u32)| {
-                let solid = &self.solids[*index as usize];
+            let touches = |index: &u32| {
+                let solid = &self.solids[*index as usize].part;
                 *index as usize <= newest
                     && (0..D).all(|other| other == axis || solid.overlaps(part, other))
             };
@@ -255,13 +286,14 @@ impl<const D: usize> Sweep<D> {
         let (mut min, mut max) = (part.min, part.max);
         // No solid taken so far begins later.
         let last = D - 1;
-        max[last] = max[last].min(min[last].max(self.solids[newest].min[last]));
+        max[last] = max[last].min(min[last].max(self.solids[newest].part.min[last]));
         (min[axis], max[axis]) = (at, at);
+        let [min, max] = [min, max].map(|ranks| Vector::from(ranks.map(f64::from)));
         let (solids, steps) = (&self.solids, &mut self.steps);
         let mut found = false;
         self.tree.visit(&min, &max, 0.0, |index| {
             *steps += 1;
-            let solid = &solids[index];
+            let solid = &solids[index].part;
             let goes_on = match sign {
                 Sign::Negative => solid.min[axis] < at && at <= solid.max[axis],
                 Sign::Positive => solid.min[axis] <= at && at < solid.max[axis],
@@ -275,142 +307,10 @@ impl<const D: usize> Sweep<D> {
     }
 
     fn insert(&mut self, part: Part<D>, scene: &Scene<'_, D>) -> Result<(), SolidsError> {
-        let candidate = match self.candidates.get(self.unused as usize) {
-            Some(candidate) => {
-                let index = self.unused;
-                self.unused = candidate.next;
-                index
-            }
-            None => {
-                let (has, most) = (self.candidates.len() + 1, scene.caps.channels);
-                if has > most {
-                    return Err(SolidsError::TooManyChannels { has, most });
-                }
-                self.candidates.push(Candidate { part, next: NONE });
-                // Caps::channels may be more than can be counted here.
-                u32::try_from(has - 1)
-                    .ok()
-                    .filter(|index| *index != NONE)
-                    .ok_or(SolidsError::TooManyChannels { has, most: NONE as usize - 1 })?
-            }
-        };
-        let mut node = 0;
-        for axis in 0..D - 1 {
-            let (mut low, mut high) = (scene.bounds.min[axis], scene.bounds.max[axis]);
-            for depth in 0.. {
-                self.nodes[node].count += 1;
-                if depth == DEPTH {
-                    break;
-                }
-                let middle = (low + high) / 2.0;
-                let less = if part.max[axis] <= middle {
-                    high = middle;
-                    true
-                } else if part.min[axis] >= middle {
-                    low = middle;
-                    false
-                } else {
-                    break;
-                };
-                let child = if less { self.nodes[node].less } else { self.nodes[node].more };
-                let child = self.existing(child);
-                if less {
-                    self.nodes[node].less = child;
-                } else {
-                    self.nodes[node].more = child;
-                }
-                node = child as usize;
-            }
-            if axis + 1 < D - 1 {
-                let child = self.existing(self.nodes[node].across);
-                self.nodes[node].across = child;
-                node = child as usize;
-            }
+        let most = scene.caps.channels;
+        match self.candidates.insert(part, &scene.bounds, most) {
+            true => Ok(()),
+            false => Err(SolidsError::TooManyChannels { has: most.saturating_add(1), most }),
         }
-        let next = self.nodes[node].across;
-        self.candidates[candidate as usize] = Candidate { part, next };
-        self.nodes[node].across = candidate;
-        Ok(())
     }
-
-    fn existing(&mut self, node: u32) -> u32 {
-        if node != NONE {
-            return node;
-        }
-        self.nodes.push(LEAF);
-        // Fewer than 2^32: each insertion adds at most DEPTH per axis, and steps are capped.
-        u32::try_from(self.nodes.len() - 1).unwrap_or(NONE - 1)
-    }
-
-    /// Moves all candidates that the solid reaches into from a tree to `hit`;
-    /// how many these were.
-    fn take(
-        &mut self,
-        node: u32,
-        axis: usize,
-        (low, high): (f64, f64),
-        solid: &Part<D>,
-        bounds: &Part<D>,
-    ) -> u32 {
-        if node == NONE || self.nodes[node as usize].count == 0 {
-            return 0;
-        }
-        self.steps += 1;
-        let Node { less, more, across, .. } = self.nodes[node as usize];
-        let middle = (low + high) / 2.0;
-        let mut taken = 0;
-        if solid.min[axis] < middle {
-            taken += self.take(less, axis, (low, middle), solid, bounds);
-        }
-        if solid.max[axis] > middle {
-            taken += self.take(more, axis, (middle, high), solid, bounds);
-        }
-        let next = axis + 1;
-        if next < D - 1 {
-            taken += self.take(across, next, (bounds.min[next], bounds.max[next]), solid, bounds);
-        } else {
-            taken += self.take_from_list(node, solid);
-        }
-        self.nodes[node as usize].count -= taken;
-        taken
-    }
-
-    fn take_from_list(&mut self, node: u32, solid: &Part<D>) -> u32 {
-        let begin = self.hit.len();
-        let mut kept = NONE;
-        let mut at = self.nodes[node as usize].across;
-        while at != NONE {
-            self.steps += 1;
-            let candidate = &mut self.candidates[at as usize];
-            let next = candidate.next;
-            if (0..D).all(|axis| solid.overlaps(&candidate.part, axis)) {
-                self.hit.push(at);
-            } else {
-                candidate.next = kept;
-                kept = at;
-            }
-            at = next;
-        }
-        self.nodes[node as usize].across = kept;
-        (self.hit.len() - begin) as u32
-    }
-}
-
-/// Whether a part is larger than the body along an axis.
-fn is_larger<const D: usize>(part: &Part<D>, axis: usize, body: &Vector<D>) -> bool {
-    part.max[axis] - part.min[axis] > body[axis].max(0.0)
-}
-
-fn push<const D: usize>(
-    part: &Part<D>,
-    caps: &Caps,
-    channels: &mut Vec<AxisBox<D>>,
-) -> Result<(), SolidsError> {
-    let (has, most) = (channels.len() + 1, caps.channels);
-    if has > most {
-        return Err(SolidsError::TooManyChannels { has, most });
-    }
-    // Its extents are positive, so this does not fail.
-    channels.extend(AxisBox::new(part.min, part.max));
-    Ok(())
 }

@@ -400,3 +400,5 @@ proptest! {
         prop_assert_eq!(find(&mut with_boxes(&boxes), &bounds, body), expected);
     }
 }
+
+mod scale;
