@@ -18,13 +18,13 @@ use crate::geometry::{AxisBox, Direction, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
 mod error;
-pub(crate) mod legs;
+mod legs;
 pub mod limits;
 mod refusal;
 pub mod rules;
 mod safest;
 pub(crate) mod tangent;
-pub(crate) mod taut;
+mod taut;
 
 pub use error::DrivingError;
 pub use safest::{TradeOff, curve, safest};

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::tangent::Tangent;
-use super::taut::Knot;
+use super::taut::{Knot, ROUNDED};
 use super::{Drive, SAME_HEADING, StartTurn, shortest_turn};
 use crate::geometry::{Sign, Vector};
 use crate::motion::{Curve, Leg, wrapped};
@@ -69,10 +69,11 @@ fn arc(drive: &Drive<'_>, knot: &Knot, from: f64, to: f64) -> Leg<2> {
 }
 
 /// The angle in [0, 2 pi) from one heading (both in (-pi, pi]) to the other in the sense
-/// of a turn, radians.
-pub(crate) fn forwards(turn: Sign, from: f64, to: f64) -> f64 {
+/// of a turn, radians; backwards by no more than rounding is 0.
+fn forwards(turn: Sign, from: f64, to: f64) -> f64 {
     let angle = turn.factor() * (to - from);
-    if angle < 0.0 { angle + TAU } else { angle }
+    let angle = if angle < -ROUNDED { angle + TAU } else { angle };
+    if angle > TAU - ROUNDED { 0.0 } else { angle.max(0.0) }
 }
 
 fn turn_in_place(position: &Vector<2>, from_heading: f64, sweep: f64) -> Leg<2> {

@@ -19,6 +19,10 @@ pub(super) struct Knot {
 /// A turn by less than this does not count as one, radians.
 const STRAIGHT: f64 = 1e-12;
 
+/// A turn backwards by less than this is none: along lines of many metres corners can't be
+/// told apart any better, radians.
+pub(super) const ROUNDED: f64 = 1e-9;
+
 /// How far a path may cut into the guiding circle of a corner that it is said to
 /// clear, metres. The exact clearance is measured afterwards in any case.
 const CLEARED: f64 = 1e-9;
@@ -67,6 +71,9 @@ fn wind(
         if !turns_forwards(corner.rule, &knot.arrival.direction, &departure.direction) {
             let turn = unrotated(&departure.direction, &knot.arrival.direction);
             let sweep = corner.rule.turn.factor() * libm::atan2(turn.y, turn.x);
+            if sweep.abs() < ROUNDED {
+                continue;
+            }
             return Err(DrivingError::CornerNotPassed { corner: knot.corner, sweep });
         }
     }
@@ -127,7 +134,7 @@ fn is_kept(kept: &[bool], knot: &Knot) -> bool {
 
 /// Whether a path that arrives and departs in these directions (unit vectors) goes
 /// forwards about a corner.
-pub(crate) fn turns_forwards(rule: &TurnRule, arrival: &Vector<2>, departure: &Vector<2>) -> bool {
+fn turns_forwards(rule: &TurnRule, arrival: &Vector<2>, departure: &Vector<2>) -> bool {
     let turn = unrotated(departure, arrival);
     if rule.turn.factor() * turn.y > STRAIGHT {
         return true;

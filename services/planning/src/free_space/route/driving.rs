@@ -2,7 +2,7 @@
 
 use super::label::{Label, NONE};
 use super::traveller::{Motion, Step, Traveller};
-use super::{Search, Translating};
+use super::{SAME_LENGTH, Search, Translating};
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::{Corner, End};
@@ -21,8 +21,8 @@ mod cone;
 /// two labels at a junction: one that turns there, and one that passes, which keeps the
 /// circle that the line leaves and the [`Cone`] of directions in which it passes all
 /// junctions so far. Of the ways that turn about a corner the shortest is the best
-/// whatever follows; of those that pass, one is useless beside another with the same
-/// circle and a cone around its own.
+/// whatever follows; of those that pass, one is useless beside another that leaves the
+/// same circle and has a cone around its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driving {
     traveller: Traveller<2>,
@@ -118,23 +118,45 @@ impl Driving {
         Self { traveller, goal, radius, blocked: Vec::new() }
     }
 
+    /// The guiding circle of a corner (equation 5.1), on the side of its turn.
+    fn guiding_circle(&self, corner: &Corner<2>) -> Option<Circle> {
+        let rule = TurnRule::of(corner.approach, corner.leaving)?;
+        let signed_radius = rule.turn.factor() * self.radius;
+        Some(Circle { center: rule.corner_of(&corner.junction), signed_radius })
+    }
+
     /// What the line leaves that the way to a label (`NONE`: the start) is on; `None` if
     /// another way there has been found to be better.
     fn root(&self, labels: &[Label<Passage>], from: u32) -> Option<Root> {
-        let label = labels.get(from as usize);
-        let (index, passed) = match label.map(|label| &label.state) {
+        let (index, passed) = match labels.get(from as usize).map(|label| &label.state) {
             Some(Passage::Straight { root, cone }) => (*root, Some(*cone)),
             _ => (from, None),
         };
-        let Some((label, Passage::Turning { circle, arrival, .. })) =
-            labels.get(index as usize).map(|label| (label, &label.state))
-        else {
-            let (circle, cone) = (point(self.traveller.least), passed.unwrap_or(Cone::ALL));
-            return Some(Root { index: NONE, circle, arrival: None, length: 0.0, cone });
-        };
-        let cone = passed.unwrap_or_else(|| Cone::half(arrival, sense(circle)));
-        let (arrival, length) = (Some(*arrival), label.length);
-        (!label.beaten).then_some(Root { index, circle: *circle, arrival, length, cone })
+        if labels.get(index as usize).is_some_and(|label| label.beaten) {
+            return None;
+        }
+        let root = self.root_of(labels, index);
+        Some(Root { cone: passed.unwrap_or(root.cone), ..root })
+    }
+
+    /// The circle of a label that turns; otherwise the start.
+    fn root_of(&self, labels: &[Label<Passage>], index: u32) -> Root {
+        match labels.get(index as usize).map(|label| (label.length, &label.state)) {
+            Some((length, Passage::Turning { circle, arrival, .. })) => Root {
+                index,
+                circle: *circle,
+                arrival: Some(*arrival),
+                length,
+                cone: Cone::half(arrival, sense(circle)),
+            },
+            _ => Root {
+                index: NONE,
+                circle: point(self.traveller.least),
+                arrival: None,
+                length: 0.0,
+                cone: Cone::ALL,
+            },
+        }
     }
 
     /// The line from a root to a circle, if the cone holds it and it is not blocked.
@@ -142,6 +164,16 @@ impl Driving {
         let line = tangent(&root.circle, circle)?;
         let open = self.blocked.is_empty() || !self.blocked.contains(&[root.circle, *circle]);
         (root.cone.holds(&line.direction) && open).then_some(line)
+    }
+
+    /// Whether two roots are the same circle, reached in the same way.
+    fn is_same(&self, labels: &[Label<Passage>], one: u32, other: u32) -> bool {
+        one == other || {
+            let [one, other] = [one, other].map(|index| self.root_of(labels, index));
+            one.circle == other.circle
+                && one.arrival == other.arrival
+                && (one.length - other.length).abs() <= SAME_LENGTH
+        }
     }
 
     /// Whether a way that turns about a corner is no longer than another: both arrive on
@@ -201,14 +233,11 @@ impl Motion<2> for Driving {
         from: u32,
         corner: &Corner<2>,
     ) -> [Option<Step<Passage>>; 2] {
-        let (Some(rule), Some(root)) =
-            (TurnRule::of(corner.approach, corner.leaving), self.root(labels, from))
+        let (Some(circle), Some(root)) = (self.guiding_circle(corner), self.root(labels, from))
         else {
             return [None; 2];
         };
         let (junction, index) = (&corner.junction, root.index);
-        let center = rule.corner_of(junction);
-        let circle = Circle { center, signed_radius: rule.turn.factor() * self.radius };
         let turning = self.line(&root, &circle).map(|line| {
             let length = root.length_with(&line);
             let state = Passage::Turning { circle, arrival: line.direction, root: index };
@@ -233,7 +262,8 @@ impl Motion<2> for Driving {
 
     fn compare(&self, labels: &mut [Label<Passage>], new: &Label<Passage>) -> bool {
         let mut at = new.next;
-        while let Some(known) = labels.get_mut(at as usize) {
+        while let Some(known) = labels.get(at as usize).copied() {
+            let index = at as usize;
             at = known.next;
             if known.beaten || known.way != new.way {
                 continue;
@@ -246,16 +276,17 @@ impl Motion<2> for Driving {
                     if self.beats((known.length, one), (new.length, other), circle) {
                         return false;
                     }
-                    known.beaten = self.beats((new.length, other), (known.length, one), circle);
+                    labels[index].beaten =
+                        self.beats((new.length, other), (known.length, one), circle);
                 }
                 (
                     Passage::Straight { root: one, cone: around },
                     Passage::Straight { root: other, cone: within },
-                ) if one == other => {
+                ) if self.is_same(labels, *one, *other) => {
                     if around.contains(within) {
                         return false;
                     }
-                    known.beaten = within.contains(around);
+                    labels[index].beaten = within.contains(around);
                 }
                 _ => {}
             }

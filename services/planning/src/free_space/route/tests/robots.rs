@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::clearance::rectangle::Footprint;
-use crate::clearance::walls::{Wall, Walls};
+use crate::clearance::walls::{Complement, Wall, Walls};
 use crate::driving::{self, Drive, DrivingError, Gaps, Goal, Pose, StartTurn, corners_of};
 use crate::geometry::box_tree::distance_squared_box_box;
 use crate::geometry::unit;
@@ -223,6 +223,96 @@ fn errands() -> impl Strategy<Value = Errand> {
             inside.then_some(Errand { channels, start, goal, size, gap, walls })
         },
     )
+}
+
+/// Blocks of half a metre, four metres apart and a little out of line.
+fn pillars(side: usize) -> Errand {
+    let width = 4.0 * side as f64 + 2.0;
+    let bounds = space([0.0; 2], [width; 2]);
+    let (mut solids, mut walls) = (Solids::default(), Walls::default());
+    for index in 0..side * side {
+        let (i, j) = (index / side, index % side);
+        let x = 4.0 * i as f64 + 2.0 + 0.13 * ((i * 7 + j * 3) % 5) as f64;
+        let y = 4.0 * j as f64 + 2.0 + 0.11 * ((i * 5 + j * 11) % 7) as f64;
+        let pillar = space([x, y], [x + 0.5, y + 0.5]);
+        walls.push_box(&pillar);
+        solids.push_box(pillar);
+    }
+    walls.push_inside(&bounds);
+    walls.index();
+    let mut channels = Vec::new();
+    let room = Vector::repeat(0.6);
+    solids.channels(&bounds, &room, &Caps::default(), &mut channels).expect("channels");
+    let (start, goal) = ([1.0, 1.0].into(), [width - 1.2, width - 1.0].into());
+    Errand { channels, start, goal, size: 0.6, gap: 0.2, walls }
+}
+
+#[test]
+fn way_through_pillars_is_hardly_longer_than_the_shortest() {
+    // By a graph of all tangents between the pillars' corners.
+    for (side, shortest) in [(5, 28.451787695406345), (10, 56.70280686501991)] {
+        let (_, length) = pillars(side).find().0.expect("a route");
+        assert!(length > shortest - 1e-9, "{length} < {shortest}");
+        assert!(length < shortest * 1.002, "{length} > {shortest}");
+    }
+}
+
+#[test]
+fn worked_corridors_are_put_in_order() {
+    // A and B of docs/method.md 7, their channels in another order; lengths at gap 0.2.
+    let check = |channels: &[([f64; 2], [f64; 2])], start: [f64; 2], goal: [f64; 2]| {
+        let order: Vec<_> = channels.iter().map(|(min, max)| space(*min, *max)).collect();
+        let mut walls = Walls::default();
+        walls.set_complement(&order, None, &mut Complement::default());
+        let channels: Vec<_> = order.iter().rev().copied().collect();
+        let (start, goal) = (start.into(), goal.into());
+        let errand = Errand { channels, start, goal, size: 1.0, gap: 0.2, walls };
+        let (route, length) = errand.find().0.expect("a route");
+        let backwards: Vec<_> = (0..order.len()).rev().collect();
+        assert_eq!(route, backwards);
+        let mut path = driving::Path::default();
+        assert_eq!(errand.length_along(&backwards, &mut path).ok(), Some(length));
+    };
+    check(
+        &[
+            ([0., 0.], [3., 11.]),
+            ([0., 8.], [13., 11.]),
+            ([9., 8.], [13., 20.]),
+            ([9., 16.], [22., 20.]),
+        ],
+        [1.2, 1.5],
+        [20.5, 18.25],
+    );
+    check(
+        &[
+            ([0., 0.], [3., 14.]),
+            ([0., 10.5], [8., 14.]),
+            ([4.5, 2.], [8., 14.]),
+            ([4.5, 2.], [14., 5.]),
+            ([10., 2.], [14., 16.]),
+            ([10., 12.], [22., 16.]),
+        ],
+        [1.25, 1.5],
+        [20.5, 14.5],
+    );
+}
+
+#[test]
+fn robot_that_can_not_turn_round_goes_round_the_block() {
+    // It stands in a street 1.05 m wide, 1.13 m from corner to corner, its goal behind it.
+    let channels = vec![
+        space([0., 0.], [20., 1.05]),
+        space([0., 0.], [3., 9.]),
+        space([17., 0.], [20., 9.]),
+        space([0., 6.], [20., 9.]),
+    ];
+    let mut walls = Walls::default();
+    walls.set_complement(&channels, None, &mut Complement::default());
+    let (start, goal) = ([8.0, 0.5].into(), [1.5, 4.0].into());
+    let errand = Errand { channels, start, goal, size: 0.8, gap: 0.05, walls };
+    let ((route, _), blocked) = (errand.find().0.expect("a route"), errand.find().1);
+    assert!(blocked);
+    assert_eq!(route, [0, 2, 3, 1]);
 }
 
 proptest! {
