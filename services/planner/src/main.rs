@@ -32,8 +32,8 @@ Settings in FILE (TOML), with their defaults:
   samples = 1000000        # samples of each trajectory (time; 72 bytes of reply each)
   pieces = 1048576         # boxes that its solids are cut into (memory: 200 bytes each)
   channels = 262144        # channels made from its solids (memory: 100 bytes each)
-  channel_steps = 67108864 # boxes looked at for that (time: 10 ns each)
-  junctions = 4194304      # junctions of its channels (memory: 8 bytes each)
+  channel_steps = 67108864 # boxes looked at for that (time: 10 to 100 ns each)
+  junctions = 4194304      # junctions of its channels (memory: 16 bytes each)
   route_steps = 16777216   # pairs of junctions looked at for a route (time, memory)
 
 Diagnostics go to stderr; RUST_LOG chooses them (RUST_LOG=debug shows every request).

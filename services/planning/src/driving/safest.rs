@@ -37,7 +37,8 @@ const RATIO: f64 = 0.75;
 /// that gap and any more of it leaves less. Where corners interact, walls are
 /// not those of the corridors, or start and goal allow less, the measured
 /// clearance is maximised, to 1e-9 m, among the gaps whose guiding circles do
-/// not reach beyond the narrowest corridor.
+/// not reach beyond the narrowest corridor. Where corridors overlap, a gap may leave out
+/// corners for another way altogether; such gaps are found only in the second case.
 pub fn safest(task: &Drive<'_>, path: &mut Path) -> Result<f64, DrivingError> {
     let narrowest = (0..task.corners.len())
         .min_by(|&a, &b| task.corners[a].width().total_cmp(&task.corners[b].width()));

@@ -98,6 +98,7 @@ pub struct Router<const D: usize, M: Motion<D>> {
     ends: Vec<Ending>,
     open: BinaryHeap<Entry>,
     starts: Vec<usize>,
+    seen: Vec<bool>,
     steps: usize,
     route: Vec<usize>,
     length: f64,
@@ -114,6 +115,7 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
             ends: Vec::new(),
             open: BinaryHeap::new(),
             starts: Vec::new(),
+            seen: Vec::new(),
             steps: 0,
             route: Vec::new(),
             length: 0.0,
@@ -278,8 +280,9 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
 
     /// Whether junctions that are large enough lead from a start to an end.
     fn is_connected(&mut self, search: &Search<'_, D>) -> bool {
-        let Self { starts, route: open, .. } = self;
-        let mut seen = vec![false; search.graph.channels().len()];
+        let Self { starts, seen, route: open, .. } = self;
+        seen.clear();
+        seen.resize(search.graph.channels().len(), false);
         open.clear();
         open.extend_from_slice(starts);
         starts.iter().for_each(|start| seen[*start] = true);

@@ -6,6 +6,7 @@ use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_
 use crate::clearance::walls::Wall;
 use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
 use crate::driving::{DrivingError, Gaps, Path, curve, drive, safest};
+use crate::motion::Curve;
 
 fn turning(scene: &Scene, gap: f64) -> f64 {
     let mut path = Path::default();
@@ -24,12 +25,25 @@ fn limits_of_the_worked_robot() {
     assert!((outer_radius(&robot, greatest_gap(&robot, 3.0)) - 3.0).abs() < 1e-15);
 }
 
-/// No gap of a fine series leaves more than the one found.
+/// About which corners the way with this gap turns.
+fn turned_about(scene: &Scene, gap: f64) -> Vec<usize> {
+    let mut path = Path::default();
+    let _ = drive(&scene.drive(), Gaps::Uniform(gap), &mut path);
+    let arcs = path.legs().iter().filter(|leg| matches!(leg.curve, Curve::Arc { .. }));
+    arcs.filter_map(|leg| leg.junction).collect()
+}
+
+/// No gap of a fine series leaves more than the one found. Where corridors overlap, another
+/// gap may leave out corners, for another way altogether: that does not count.
 fn check_unbeaten(scene: &Scene, found: f64, most: f64) {
     let best = turning(scene, found);
+    let corners = turned_about(scene, found);
     for k in 1..=400 {
         let gap = most * f64::from(k) / 400.0;
         let other = turning(scene, gap);
+        if other > best + 1e-9 && turned_about(scene, gap) != corners {
+            continue;
+        }
         assert!(other <= best + 1e-9, "{gap} leaves {other}, {found} only {best}");
     }
 }
