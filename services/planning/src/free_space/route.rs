@@ -1,8 +1,8 @@
 //! The way through channels that are in any order.
 
+use super::End;
 use super::graph::Graph;
-use super::{Corner, End, HalfSpace, all_axes, longest, mouth_of, proper, towards};
-use crate::geometry::{AxisBox, Direction, Sign, Vector};
+use crate::geometry::Sign;
 use std::collections::BinaryHeap;
 use std::mem;
 
@@ -11,18 +11,22 @@ mod driving;
 mod error;
 mod label;
 mod refusal;
+mod search;
 mod translating;
 mod traveller;
+mod walk;
 mod widest;
 
 pub use blocked::{Blocked, Passage, Place, blocked};
 pub use driving::Driving;
 pub use error::RouteError;
 pub use label::Label;
+pub use search::Search;
 pub use translating::Translating;
 pub use traveller::{Motion, Traveller};
 
-use label::{Ending, Entry, NONE, Way, number};
+use label::{Ending, Entry, NONE};
+use search::farthest;
 
 const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 
@@ -122,14 +126,6 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
             first: None,
         }
     }
-}
-
-/// What is looked for.
-pub struct Search<'a, const D: usize> {
-    graph: &'a Graph<D>,
-    traveller: Traveller<D>,
-    /// With an exit: where the channels that reach farthest along it end.
-    mouth: Option<HalfSpace>,
 }
 
 /// What came of one search.
@@ -374,142 +370,6 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         Ok(Found::Nothing)
     }
 
-    /// All first steps out of a channel that the traveller is in.
-    fn start_in(&mut self, search: &Search<'_, D>, motion: &M, first: usize) {
-        let channel = &search.graph.channels()[first];
-        let start = search.traveller.center();
-        if search.ends_in(first) {
-            // Any axis will do.
-            self.finish(search, motion, first, NONE, 0);
-        }
-        for slot in search.graph.slots(first) {
-            self.steps += 1;
-            let Some(junction) = search.passable(channel, slot) else { continue };
-            let center = junction.center();
-            let possible = or_all::<D>(proper(&junction, channel));
-            let forced = possible.count_ones() == 1;
-            for leaving in 0..D {
-                let Some(axis) = longest(possible & !(1 << leaving), &start, &center) else {
-                    continue;
-                };
-                let approach = towards(&start, &center, axis);
-                for sign in SIGNS {
-                    let leaving = Direction { axis: leaving, sign };
-                    let corner = Corner { junction, approach, leaving };
-                    self.enter(search, motion, (first, slot), &corner, forced, (NONE, 0));
-                }
-            }
-        }
-    }
-
-    /// All steps on from a junction.
-    fn go_on(&mut self, search: &Search<'_, D>, motion: &M, index: u32, label: &Label<M::State>) {
-        let (approach, leaving) = (label.way.approach(), label.way.leaving());
-        let (graph, before) = (search.graph, label.channel as usize);
-        let here = graph.neighbour_at(label.slot as usize);
-        let channel = &graph.channels()[here];
-        let Some(from) = graph.channels()[before].intersection(channel) else { return };
-        let center = from.center();
-        let mine = proper(&from, channel);
-        // What the channel before needs for itself.
-        let taken = if label.way.is_forced() { 1 << approach.axis } else { 0 };
-
-        if search.ends_in(here) {
-            let out = match search.traveller.end {
-                End::Exit(exit) => (taken >> exit.axis & 1 == 0).then_some(exit),
-                End::Goal(goal) => longest(or_all::<D>(mine) & !taken, &center, &goal)
-                    .map(|axis| towards(&center, &goal, axis)),
-            };
-            if out == Some(leaving) {
-                self.finish(search, motion, here, index, label.junctions);
-            }
-        }
-        for slot in graph.slots(here) {
-            self.steps += 1;
-            if graph.neighbour_at(slot) == before {
-                continue;
-            }
-            let neighbour = &graph.channels()[graph.neighbour_at(slot)];
-            if !lies_towards(leaving, &center, channel, neighbour) {
-                continue;
-            }
-            let Some(junction) = search.passable(channel, slot) else { continue };
-            let next = junction.center();
-            let possible = or_all::<D>(mine | proper(&junction, channel)) & !taken;
-            for axis in (0..D).filter(|axis| *axis != leaving.axis) {
-                if longest(possible & !(1 << axis), &center, &next) != Some(leaving.axis) {
-                    continue;
-                }
-                for sign in SIGNS {
-                    let corner =
-                        Corner { junction, approach: leaving, leaving: Direction { axis, sign } };
-                    let forced = possible.count_ones() == 1;
-                    let from = (index, label.junctions);
-                    self.enter(search, motion, (here, slot), &corner, forced, from);
-                }
-            }
-        }
-    }
-
-    /// Opens the label of a step into a junction, if it is of use.
-    fn enter(
-        &mut self,
-        search: &Search<'_, D>,
-        motion: &M,
-        (channel, slot): (usize, usize),
-        corner: &Corner<D>,
-        forced: bool,
-        (before, junctions): (u32, u32),
-    ) {
-        let onwards = match self.onwards[slot] {
-            UNKNOWN => {
-                self.onwards[slot] = search.onwards(channel, slot);
-                self.onwards[slot]
-            }
-            known => known,
-        };
-        if onwards >> number(corner.leaving) & 1 == 0 {
-            return; // A dead end.
-        }
-        for step in motion.enter(search, &self.labels, before, corner).into_iter().flatten() {
-            let label = Label {
-                state: step.state,
-                length: step.length,
-                channel: channel as u32,
-                slot: slot as u32,
-                before,
-                next: self.heads[slot],
-                junctions: junctions + 1,
-                way: Way::new(corner.approach, corner.leaving, forced),
-                beaten: false,
-            };
-            if motion.compare(&mut self.labels, &label) {
-                // Labels are fewer than `NONE`: there are at most 24 per step, and memory
-                // ends before.
-                let index = self.labels.len() as u32;
-                self.heads[slot] = index;
-                let Label { junctions, slot, .. } = label;
-                self.labels.push(label);
-                self.open.push(Entry { estimate: step.estimate, junctions, slot, label: index });
-            }
-        }
-    }
-
-    /// Opens the way out of the last channel, or to the goal.
-    fn finish(
-        &mut self,
-        search: &Search<'_, D>,
-        motion: &M,
-        last: usize,
-        before: u32,
-        junctions: u32,
-    ) {
-        let Some(length) = motion.finish(search, &self.labels, before) else { return };
-        let index = self.ends.len() as u32;
-        self.ends.push(Ending { length, channel: last as u32, before });
-        self.open.push(Entry { estimate: length, junctions, slot: NONE, label: index });
-    }
-
     /// Refills the route with the channels that lead to an end.
     fn trace(&mut self, end: u32) {
         let Ending { channel, before, .. } = self.ends[end as usize];
@@ -521,105 +381,6 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             at = label.before;
         }
         self.route.reverse();
-    }
-}
-
-/// Whether the middle of the common part of two channels lies that way from `center`.
-fn lies_towards<const D: usize>(
-    direction: Direction,
-    center: &Vector<D>,
-    one: &AxisBox<D>,
-    other: &AxisBox<D>,
-) -> bool {
-    let Direction { axis, sign } = direction;
-    let (min, max) =
-        (one.min()[axis].max(other.min()[axis]), one.max()[axis].min(other.max()[axis]));
-    Sign::of((min + max) / 2.0 - center[axis]) == sign
-}
-
-fn or_all<const D: usize>(axes: u8) -> u8 {
-    if axes == 0 { all_axes::<D>() } else { axes }
-}
-
-/// The mouth of the channels that reach farthest along the exit.
-fn farthest<const D: usize>(channels: &[AxisBox<D>], exit: Direction) -> Option<HalfSpace> {
-    let mouths = channels.iter().map(|channel| mouth_of(channel, exit));
-    let reach = |mouth: &HalfSpace| exit.sign.factor() * mouth.bound;
-    mouths.reduce(|a, b| if reach(&b) > reach(&a) { b } else { a })
-}
-
-fn holds<const D: usize>(channel: &AxisBox<D>, min: &Vector<D>, max: &Vector<D>) -> bool {
-    (0..D).all(|axis| channel.min()[axis] <= min[axis] && max[axis] <= channel.max()[axis])
-}
-
-impl<const D: usize> Search<'_, D> {
-    /// The channels that the traveller is in, in ascending order.
-    fn find_starts(&self, starts: &mut Vec<usize>) -> Result<(), RouteError> {
-        let Traveller { least, greatest, .. } = &self.traveller;
-        let channels = self.graph.channels();
-        starts.clear();
-        self.graph.tree().visit(least, least, 0.0, |index| {
-            if holds(&channels[index], least, greatest) {
-                starts.push(index);
-            }
-            0.0
-        });
-        starts.sort_unstable();
-        if starts.is_empty() {
-            let (channel, axis, body, end) = refusal::nearest(channels, least, greatest);
-            return Err(RouteError::StartOutside { channel, axis, body, end });
-        }
-        Ok(())
-    }
-
-    fn check_goal(&self) -> Result<(), RouteError> {
-        let End::Goal(goal) = self.traveller.end else { return Ok(()) };
-        let channels = self.graph.channels();
-        let mut found = false;
-        self.graph.tree().visit(&goal, &goal, 0.0, |_| {
-            found = true;
-            -1.0
-        });
-        if !found {
-            let (channel, axis, goal, end) = refusal::nearest(channels, &goal, &goal);
-            return Err(RouteError::GoalOutside { channel, axis, goal, end });
-        }
-        Ok(())
-    }
-
-    fn ends_in(&self, index: usize) -> bool {
-        let channel = &self.graph.channels()[index];
-        match self.traveller.end {
-            End::Exit(exit) => Some(mouth_of(channel, exit)) == self.mouth,
-            End::Goal(goal) => holds(channel, &goal, &goal),
-        }
-    }
-
-    /// The directions in which something lies in the channel behind a slot: another
-    /// junction, or the end.
-    fn onwards(&self, before: usize, slot: usize) -> u8 {
-        let (graph, here) = (self.graph, self.graph.neighbour_at(slot));
-        let directions = (0..D).flat_map(|axis| SIGNS.map(|sign| Direction { axis, sign }));
-        if self.ends_in(here) {
-            return directions.fold(0, |bits, direction| bits | 1 << number(direction));
-        }
-        let channel = &graph.channels()[here];
-        let Some(junction) = graph.channels()[before].intersection(channel) else { return 0 };
-        let center = junction.center();
-        let others = || graph.slots(here).map(|slot| graph.neighbour_at(slot));
-        let leads_on = |direction: &Direction| {
-            others().any(|other| {
-                let other = (other != before).then(|| &graph.channels()[other]);
-                other.is_some_and(|other| lies_towards(*direction, &center, channel, other))
-            })
-        };
-        directions.filter(leads_on).fold(0, |bits, direction| bits | 1 << number(direction))
-    }
-
-    /// The junction of a channel with its neighbour, if the traveller fits.
-    fn passable(&self, channel: &AxisBox<D>, slot: usize) -> Option<AxisBox<D>> {
-        let next = &self.graph.channels()[self.graph.neighbour_at(slot)];
-        channel.intersection(next).filter(|junction| self.traveller.fits(junction))
     }
 }
 

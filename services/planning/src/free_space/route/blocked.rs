@@ -1,8 +1,8 @@
 //! What stands in a traveller's way between solids: the narrowest passage on the widest
 //! way, or the wall.
 
+use super::Traveller;
 use super::widest::{Change, Lack, Space, Way, extent};
-use super::{Traveller, holds};
 use crate::free_space::End;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
@@ -111,7 +111,7 @@ fn on_the_way<const D: usize>(
         open_mouth(&mut boxes, bounds, exit, traveller.needs_along(exit.axis).1);
     }
     let around = |min: &Vector<D>, max: &Vector<D>| -> Vec<usize> {
-        (0..inner).filter(|index| holds(&boxes[*index], min, max)).collect()
+        (0..inner).filter(|index| boxes[*index].holds(min) && boxes[*index].holds(max)).collect()
     };
     let starts = around(&traveller.least, &traveller.greatest);
     if starts.is_empty() {

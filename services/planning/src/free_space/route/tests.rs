@@ -1,7 +1,8 @@
 use super::*;
 use crate::disassembly::{Gap, Path, disassemble};
-use crate::free_space::Chain;
 use crate::free_space::solids::{Caps, Solids};
+use crate::free_space::{Chain, mouth_of};
+use crate::geometry::{AxisBox, Direction, Vector};
 use proptest::prelude::*;
 
 mod blocked;

@@ -119,7 +119,7 @@ impl Errand {
     /// The least length over all ways of up to `most` channels that do not go straight
     /// back, and over those of them that stay in their channels.
     fn brute_force(&self, most: usize) -> (f64, f64) {
-        let holds = |index: &usize, point: &Vector<2>| holds(&self.channels[*index], point, point);
+        let holds = |index: &usize, point: &Vector<2>| self.channels[*index].holds(point);
         let passable = |a: usize, b: usize| {
             a != b
                 && self.channels[a].intersection(&self.channels[b]).is_some_and(|junction| {

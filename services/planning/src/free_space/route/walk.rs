@@ -1,0 +1,155 @@
+//! From junction to junction: the steps that a search looks at.
+
+use super::label::{Ending, Entry, Label, NONE, Way, number};
+use super::search::{Search, lies_towards};
+use super::{Motion, Router, SIGNS, UNKNOWN};
+use crate::free_space::{Corner, End, all_axes, longest, proper, towards};
+use crate::geometry::Direction;
+
+impl<const D: usize, M: Motion<D>> Router<D, M> {
+    /// All first steps out of a channel that the traveller is in.
+    pub(super) fn start_in(&mut self, search: &Search<'_, D>, motion: &M, first: usize) {
+        let channel = &search.graph.channels()[first];
+        let start = search.traveller.center();
+        if search.ends_in(first) {
+            // Any axis will do.
+            self.finish(search, motion, first, NONE, 0);
+        }
+        for slot in search.graph.slots(first) {
+            self.steps += 1;
+            let Some(junction) = search.passable(channel, slot) else { continue };
+            let center = junction.center();
+            let possible = or_all::<D>(proper(&junction, channel));
+            let forced = possible.count_ones() == 1;
+            for leaving in 0..D {
+                let Some(axis) = longest(possible & !(1 << leaving), &start, &center) else {
+                    continue;
+                };
+                let approach = towards(&start, &center, axis);
+                for sign in SIGNS {
+                    let leaving = Direction { axis: leaving, sign };
+                    let corner = Corner { junction, approach, leaving };
+                    self.enter(search, motion, (first, slot), &corner, forced, (NONE, 0));
+                }
+            }
+        }
+    }
+
+    /// All steps on from a junction.
+    pub(super) fn go_on(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &M,
+        index: u32,
+        label: &Label<M::State>,
+    ) {
+        let (approach, leaving) = (label.way.approach(), label.way.leaving());
+        let (graph, before) = (search.graph, label.channel as usize);
+        let here = graph.neighbour_at(label.slot as usize);
+        let channel = &graph.channels()[here];
+        let Some(from) = graph.channels()[before].intersection(channel) else { return };
+        let center = from.center();
+        let mine = proper(&from, channel);
+        // What the channel before needs for itself.
+        let taken = if label.way.is_forced() { 1 << approach.axis } else { 0 };
+
+        if search.ends_in(here) {
+            let out = match search.traveller.end {
+                End::Exit(exit) => (taken >> exit.axis & 1 == 0).then_some(exit),
+                End::Goal(goal) => longest(or_all::<D>(mine) & !taken, &center, &goal)
+                    .map(|axis| towards(&center, &goal, axis)),
+            };
+            if out == Some(leaving) {
+                self.finish(search, motion, here, index, label.junctions);
+            }
+        }
+        for slot in graph.slots(here) {
+            self.steps += 1;
+            if graph.neighbour_at(slot) == before {
+                continue;
+            }
+            let neighbour = &graph.channels()[graph.neighbour_at(slot)];
+            if !lies_towards(leaving, &center, channel, neighbour) {
+                continue;
+            }
+            let Some(junction) = search.passable(channel, slot) else { continue };
+            let next = junction.center();
+            let possible = or_all::<D>(mine | proper(&junction, channel)) & !taken;
+            for axis in (0..D).filter(|axis| *axis != leaving.axis) {
+                if longest(possible & !(1 << axis), &center, &next) != Some(leaving.axis) {
+                    continue;
+                }
+                for sign in SIGNS {
+                    let corner =
+                        Corner { junction, approach: leaving, leaving: Direction { axis, sign } };
+                    let forced = possible.count_ones() == 1;
+                    let from = (index, label.junctions);
+                    self.enter(search, motion, (here, slot), &corner, forced, from);
+                }
+            }
+        }
+    }
+
+    /// Opens the label of a step into a junction, if it is of use.
+    fn enter(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &M,
+        (channel, slot): (usize, usize),
+        corner: &Corner<D>,
+        forced: bool,
+        (before, junctions): (u32, u32),
+    ) {
+        let onwards = match self.onwards[slot] {
+            UNKNOWN => {
+                self.onwards[slot] = search.onwards(channel, slot);
+                self.onwards[slot]
+            }
+            known => known,
+        };
+        if onwards >> number(corner.leaving) & 1 == 0 {
+            return; // A dead end.
+        }
+        for step in motion.enter(search, &self.labels, before, corner).into_iter().flatten() {
+            let label = Label {
+                state: step.state,
+                length: step.length,
+                channel: channel as u32,
+                slot: slot as u32,
+                before,
+                next: self.heads[slot],
+                junctions: junctions + 1,
+                way: Way::new(corner.approach, corner.leaving, forced),
+                beaten: false,
+            };
+            if motion.compare(&mut self.labels, &label) {
+                // Labels are fewer than `NONE`: there are at most 24 per step, and memory
+                // ends before.
+                let index = self.labels.len() as u32;
+                self.heads[slot] = index;
+                let Label { junctions, slot, .. } = label;
+                self.labels.push(label);
+                self.open.push(Entry { estimate: step.estimate, junctions, slot, label: index });
+            }
+        }
+    }
+
+    /// Opens the way out of the last channel, or to the goal.
+    fn finish(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &M,
+        last: usize,
+        before: u32,
+        junctions: u32,
+    ) {
+        let Some(length) = motion.finish(search, &self.labels, before) else { return };
+        let index = self.ends.len() as u32;
+        self.ends.push(Ending { length, channel: last as u32, before });
+        self.open.push(Entry { estimate: length, junctions, slot: NONE, label: index });
+    }
+}
+
+fn or_all<const D: usize>(axes: u8) -> u8 {
+    if axes == 0 { all_axes::<D>() } else { axes }
+}
