@@ -120,7 +120,11 @@ fn route_to_the_mouth(bencher: Bencher<'_, '_>, count: usize) {
 fn route_of_a_robot_to_the_far_corner(bencher: Bencher<'_, '_>, count: usize) {
     let channels = streets(count);
     let goal = channels[channels.len() - 1].center();
-    route(bencher, &channels, route::Driving::new(Vector::zeros(), goal, Vector::repeat(1.5), 0.7));
+    route(
+        bencher,
+        &channels,
+        route::Driving::new(Vector::zeros(), goal, Vector::repeat(1.5), (1.0, 0.2)),
+    );
 }
 
 fn route(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>], mut motion: impl Motion<2>) {
@@ -321,10 +325,10 @@ impl Planner {
             .expect("channels");
         self.graph.build(&self.channels, usize::MAX).expect("a graph");
         let needs = Vector::repeat(limits::outer_radius(&footprint, gap));
-        let radius = footprint.width() / 2.0 + gap;
-        let mut robot = route::Driving::new(start.position, goal.position, needs, radius);
+        let sides = (footprint.width(), gap);
+        let mut robot = route::Driving::new(start.position, goal.position, needs, sides);
         let Self { channels, graph, router, travelled, chain, corners, walls, path, .. } = self;
-        let found = router.find_judged(graph, &mut robot, usize::MAX, |route, _| {
+        let found = router.find_judged(graph, Some(walls), &mut robot, usize::MAX, |route, _| {
             travelled.clear();
             travelled.extend(route.iter().map(|channel| channels[*channel]));
             chain.build(travelled, &start.position, End::Goal(goal.position)).expect("a chain");

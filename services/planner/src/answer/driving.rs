@@ -144,11 +144,11 @@ impl Driving {
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
         let footprint = &terms.footprint;
-        // What the robot needs to turn (docs/method.md 6.4: R(g) < W), and its guiding circle (5.1).
+        // What the robot needs to turn (docs/method.md 6.4: R(g) < W).
         let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));
-        let radius = footprint.width() / 2.0 + gap.unwrap_or(0.0);
+        let sides = (footprint.width(), gap.unwrap_or(0.0));
         let (start, goal) = (terms.start.position, terms.goal.position);
-        let mut robot = route::Driving::new(start, goal, Vector::repeat(needs), radius);
+        let mut robot = route::Driving::new(start, goal, Vector::repeat(needs), sides);
         let Self { free_space, course, .. } = self;
         let mut first = None;
         let found = free_space.find(&mut robot, |channels, walls, _| {

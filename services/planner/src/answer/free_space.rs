@@ -220,8 +220,9 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         let Self { caps, graph, walls, router, travelled, .. } = self;
         let graph = graph.as_deref().expect("channels are in order, or connected");
         let no_walls = Walls::default();
-        let walls = walls.as_deref().unwrap_or(&no_walls);
-        router.find_judged(graph, motion, caps.route_steps, |route, length| {
+        let known = walls.as_deref();
+        let walls = known.unwrap_or(&no_walls);
+        router.find_judged(graph, known, motion, caps.route_steps, |route, length| {
             travelled.clear();
             travelled.extend(route.iter().map(|channel| graph.channels()[*channel]));
             judge(travelled, walls, length)

@@ -2,6 +2,7 @@
 
 use super::End;
 use super::graph::Graph;
+use crate::clearance::walls::Walls;
 use crate::geometry::Sign;
 use std::collections::BinaryHeap;
 use std::mem;
@@ -36,7 +37,7 @@ const MOST_BLOCKED: usize = 16;
 /// The second search of a robot's route may take so many times the steps of the first, and so
 /// many more.
 const EFFORT: usize = 4;
-const LEAST_EFFORT: usize = 1 << 16;
+const LEAST_EFFORT: usize = 1 << 19;
 
 /// No set of directions.
 const UNKNOWN: u8 = u8::MAX;
@@ -82,10 +83,10 @@ pub enum Judgement {
 ///
 /// A robot's route is sought twice. The first search goes by straight lines from junction to
 /// junction ([`Motion::outline`]) and is quick; the second takes what the first found as a
-/// bound and looks for the shortest, as far as it comes with some four times the steps. In
-/// corridors it comes to the end. In the open, where a line leads through many junctions in
-/// many orders, it may not: then the route stands that was found first (over fields of
-/// pillars 0.2 % longer than need be). Only routes count whose path leads through their junctions
+/// bound and looks for the shortest, as far as it comes in half a million steps and four times
+/// those of the first. In corridors it comes to the end. In the open, where a line leads through
+/// many junctions in many orders, it may not: then the route stands that was found first (over
+/// fields of pillars 0.2 % longer than need be). Only routes count whose path leads through their junctions
 /// and passes each corner at the gap, however far: others may cut a corner.
 ///
 /// Time goes with the pairs of junctions passed one after the other: n log n for n
@@ -160,7 +161,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         motion: &mut M,
         most_steps: usize,
     ) -> Result<(), RouteError> {
-        self.find_judged(graph, motion, most_steps, |_, length| Judgement::Length(length))
+        self.find_judged(graph, None, motion, most_steps, |_, length| Judgement::Length(length))
     }
 
     /// Finds the shortest route that can be followed, as `judge` finds out: it is given a
@@ -170,6 +171,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     pub fn find_judged(
         &mut self,
         graph: &Graph<D>,
+        walls: Option<&Walls<D>>,
         motion: &mut M,
         most_steps: usize,
         mut judge: impl FnMut(&[usize], f64) -> Judgement,
@@ -177,7 +179,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         self.route.clear();
         self.length = 0.0;
         self.steps = 0;
-        let found = self.try_find(graph, motion, most_steps, &mut judge);
+        let found = self.try_find((graph, walls), motion, most_steps, &mut judge);
         if found.is_err() {
             self.route.clear();
         }
@@ -186,7 +188,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
 
     fn try_find(
         &mut self,
-        graph: &Graph<D>,
+        (graph, walls): (&Graph<D>, Option<&Walls<D>>),
         motion: &mut M,
         most_steps: usize,
         judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
@@ -199,7 +201,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             End::Exit(exit) => farthest(graph.channels(), exit),
             End::Goal(_) => None,
         };
-        let search = Search { graph, traveller, mouth };
+        let search = Search { graph, traveller, mouth, walls };
         search.find_starts(&mut self.starts)?;
         search.check_goal()?;
         if !self.is_connected(&search) {
@@ -224,14 +226,15 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     ) -> Result<(), RouteError> {
         let mut first = mem::take(&mut self.first).unwrap_or_default();
         let mut length = f64::INFINITY;
-        let found = first.find_judged(search.graph, &mut outline, most_steps, |route, along| {
-            let judgement = judge(route, along);
-            if let Judgement::Length(exact) = judgement {
-                length = exact;
-                return Judgement::Length(along);
-            }
-            judgement
-        });
+        let found =
+            first.find_judged(search.graph, None, &mut outline, most_steps, |route, along| {
+                let judgement = judge(route, along);
+                if let Judgement::Length(exact) = judgement {
+                    length = exact;
+                    return Judgement::Length(along);
+                }
+                judgement
+            });
         let effort = first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT);
         let found = match found {
             Ok(()) => match self.find_shortest(search, motion, (length, effort), judge) {
@@ -263,11 +266,14 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         bounds: (f64, usize),
         judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
     ) -> Result<(), RouteError> {
+        let is_bounded = bounds.0.is_finite();
         for blocked in 0..MOST_BLOCKED {
             match self.search(search, motion, bounds, judge)? {
                 Found::Route => return Ok(()),
                 Found::Blocked => {}
-                Found::Nothing if blocked == 0 => return self.judge_any(search, bounds.1, judge),
+                Found::Nothing if blocked == 0 && !is_bounded => {
+                    return self.judge_any(search, bounds.1, judge);
+                }
                 Found::Nothing | Found::Hopeless => break,
             }
         }

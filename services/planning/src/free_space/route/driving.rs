@@ -3,6 +3,8 @@
 use super::label::{Label, NONE};
 use super::traveller::{Motion, Step, Traveller};
 use super::{SAME_LENGTH, Search, Translating};
+use crate::clearance::distance::distance_segment_segment;
+use crate::clearance::walls::Walls;
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::{Corner, End};
@@ -28,6 +30,7 @@ pub struct Driving {
     traveller: Traveller<2>,
     goal: Vector<2>,
     radius: f64,
+    half_width: f64,
     /// Straight lines from one circle to another that are not to be followed.
     blocked: Vec<[Circle; 2]>,
 }
@@ -109,13 +112,20 @@ impl Root {
 
 impl Driving {
     /// A robot whose centre is at `position` and is to come to `goal`, that passes
-    /// junctions larger than `needs` on every axis (metres), and turns about corners on
-    /// guiding circles with this radius.
-    pub fn new(position: Vector<2>, goal: Vector<2>, needs: Vector<2>, radius: f64) -> Self {
+    /// junctions larger than `needs` on every axis (metres), is as wide as `width` and turns
+    /// about corners with this gap.
+    pub fn new(
+        position: Vector<2>,
+        goal: Vector<2>,
+        needs: Vector<2>,
+        (width, gap): (f64, f64),
+    ) -> Self {
         let end = End::Goal(goal);
-        let (least, greatest, gap) = (position, position, Vector::zeros());
-        let traveller = Traveller { least, greatest, needs, gap, end };
-        Self { traveller, goal, radius, blocked: Vec::new() }
+        let (least, greatest) = (position, position);
+        let traveller = Traveller { least, greatest, needs, gap: Vector::zeros(), end };
+        // (5.1)
+        let (half_width, radius) = (width / 2.0, width / 2.0 + gap);
+        Self { traveller, goal, radius, half_width, blocked: Vec::new() }
     }
 
     /// The guiding circle of a corner (equation 5.1), on the side of its turn.
@@ -159,11 +169,23 @@ impl Driving {
         }
     }
 
-    /// The line from a root to a circle, if the cone holds it and it is not blocked.
-    fn line(&self, root: &Root, circle: &Circle) -> Option<Tangent> {
+    /// The line from a root to a circle, if the cone holds it and nothing is in the way.
+    fn line(&self, search: &Search<'_, 2>, root: &Root, circle: &Circle) -> Option<Tangent> {
         let line = tangent(&root.circle, circle)?;
-        let open = self.blocked.is_empty() || !self.blocked.contains(&[root.circle, *circle]);
-        (root.cone.holds(&line.direction) && open).then_some(line)
+        let blocked = || !self.blocked.is_empty() && self.blocked.contains(&[root.circle, *circle]);
+        let passes = root.cone.holds(&line.direction) && !blocked();
+        (passes && search.walls.is_none_or(|walls| self.is_clear(walls, &line))).then_some(line)
+    }
+
+    /// Whether no wall is so near a line that the robot's side would touch it.
+    fn is_clear(&self, walls: &Walls<2>, line: &Tangent) -> bool {
+        let (from, to) = (&line.from, &line.to);
+        let mut clear = true;
+        walls.near(&from.inf(to), &from.sup(to), self.half_width, |_, wall| {
+            let closest = || distance_segment_segment((from, to), (&wall.from, &wall.to));
+            clear = clear && closest().distance > self.half_width;
+        });
+        clear
     }
 
     /// Whether two roots are the same circle, reached in the same way.
@@ -228,7 +250,7 @@ impl Motion<2> for Driving {
 
     fn enter(
         &self,
-        _: &Search<'_, 2>,
+        search: &Search<'_, 2>,
         labels: &[Label<Passage>],
         from: u32,
         corner: &Corner<2>,
@@ -238,7 +260,7 @@ impl Motion<2> for Driving {
             return [None; 2];
         };
         let (junction, index) = (&corner.junction, root.index);
-        let turning = self.line(&root, &circle).map(|line| {
+        let turning = self.line(search, &root, &circle).map(|line| {
             let length = root.length_with(&line);
             let state = Passage::Turning { circle, arrival: line.direction, root: index };
             Step { state, length, estimate: length + (self.goal - line.to).norm() }
@@ -252,12 +274,12 @@ impl Motion<2> for Driving {
         [turning, straight]
     }
 
-    fn finish(&self, _: &Search<'_, 2>, labels: &[Label<Passage>], from: u32) -> Option<f64> {
+    fn finish(&self, search: &Search<'_, 2>, labels: &[Label<Passage>], from: u32) -> Option<f64> {
         if from == NONE && self.goal == self.traveller.least {
             return Some(0.0);
         }
         let root = self.root(labels, from)?;
-        self.line(&root, &point(self.goal)).map(|line| root.length_with(&line))
+        self.line(search, &root, &point(self.goal)).map(|line| root.length_with(&line))
     }
 
     fn compare(&self, labels: &mut [Label<Passage>], new: &Label<Passage>) -> bool {

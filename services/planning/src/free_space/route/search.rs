@@ -2,6 +2,7 @@
 
 use super::label::number;
 use super::{RouteError, SIGNS, Traveller, refusal};
+use crate::clearance::walls::Walls;
 use crate::free_space::graph::Graph;
 use crate::free_space::{End, HalfSpace, mouth_of};
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
@@ -12,6 +13,8 @@ pub struct Search<'a, const D: usize> {
     pub(super) traveller: Traveller<D>,
     /// With an exit: where the channels that reach farthest along it end.
     pub(super) mouth: Option<HalfSpace>,
+    /// What stands in the way, where that is known beforehand.
+    pub(super) walls: Option<&'a Walls<D>>,
 }
 
 /// The mouth of the channels that reach farthest along the exit.

@@ -165,8 +165,9 @@ fn robot_takes_the_shorter_corridor() {
         space([25., 0.], [28., 20.]),
         space([0., 17.], [30., 20.]),
     ];
-    let robot =
-        |x, goal: [f64; 2]| Driving::new([x, 1.5].into(), goal.into(), Vector::repeat(1.5), 0.7);
+    let robot = |x, goal: [f64; 2]| {
+        Driving::new([x, 1.5].into(), goal.into(), Vector::repeat(1.5), (1.0, 0.2))
+    };
     check(&channels, &robot(3.0, [6., 18.]), &[0, 1, 3]);
     check(&channels, &robot(24.0, [29., 18.]), &[0, 2, 3]);
 }

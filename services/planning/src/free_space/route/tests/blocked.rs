@@ -24,7 +24,7 @@ const BOUNDS: ([f64; 2], [f64; 2]) = ([0., 0.], [8., 6.]);
 fn look(solids: &[AxisBox<2>], start: [f64; 2], goal: [f64; 2]) -> Option<Blocked<2>> {
     let bounds = space(BOUNDS.0, BOUNDS.1);
     let boxes = all_boxes(&mut with_boxes(solids), &bounds, &Vector::zeros());
-    let robot = Driving::new(start.into(), goal.into(), Vector::repeat(2.0), 0.7);
+    let robot = Driving::new(start.into(), goal.into(), Vector::repeat(2.0), (1.0, 0.2));
     blocked(&boxes, &bounds, &Vector::repeat(1.0), robot.traveller(), MOST)
 }
 

@@ -26,8 +26,8 @@ impl Errand {
     }
 
     fn robot(&self) -> Driving {
-        let radius = self.size / 2.0 + self.gap;
-        Driving::new(self.start, self.goal, Vector::repeat(self.needs()), radius)
+        let needs = Vector::repeat(self.needs());
+        Driving::new(self.start, self.goal, needs, (self.size, self.gap))
     }
 
     /// The length of the drive through these channels, all walls considered.
@@ -103,7 +103,8 @@ impl Errand {
         let (mut graph, mut router) = (Graph::default(), Router::default());
         graph.build(&self.channels, MOST).expect("few junctions");
         let mut path = driving::Path::default();
-        let found = router.find_judged(&graph, &mut self.robot(), MOST, |route, _| {
+        let (walls, mut robot) = (Some(&self.walls), self.robot());
+        let found = router.find_judged(&graph, walls, &mut robot, MOST, |route, _| {
             match self.length_along(route, &mut path) {
                 Ok(length) => Judgement::Length(length),
                 Err(Refused::Drive(error)) => {
