@@ -50,6 +50,9 @@ enum Keep<'a> {
     Part(f64),
 }
 
+/// So small that it makes no guiding circle any larger, metres.
+const LEAST_GAP: f64 = f64::MIN_POSITIVE;
+
 /// What all answers to a request share.
 struct Terms {
     footprint: Footprint,
@@ -155,7 +158,7 @@ impl Driving {
             *safest = None;
             let refused = match course.lead(channels, terms) {
                 Ok(()) => match course.drive(terms, keep, walls, safest) {
-                    Ok(()) => return Judgement::Length(course.path.length()),
+                    Ok(length) => return Judgement::Length(length),
                     Err(error) => (course.path.judgement(&error), refuse::driving(field(), error)),
                 },
                 Err(refusal) => (Judgement::Hopeless, refusal.into()),
@@ -227,14 +230,15 @@ impl Course {
         Ok(())
     }
 
-    /// Drives along it.
+    /// Drives along it. Returns the length that the route is chosen by, metres: that of the
+    /// drive, or with the least gap where the gap depends on the route.
     fn drive(
         &mut self,
         terms: &Terms,
         keep: Keep,
         walls: &Walls<2>,
         safest: &mut Option<f64>,
-    ) -> Result<(), DrivingError> {
+    ) -> Result<f64, DrivingError> {
         let Self { chain, corners, gaps, path } = self;
         let channels = chain.channels();
         let task = Drive {
@@ -248,18 +252,24 @@ impl Course {
             walls,
         };
         gaps.clear();
+        let mut shortest = None;
         match keep {
             Keep::Gap(gap) => gaps.resize(corners.len(), gap),
             Keep::Gaps(given) => gaps.extend(given.iter().copied().filter_map(one_number)),
             Keep::Part(part) => {
                 let safest = match *safest {
                     Some(safest) => safest,
-                    None => *safest.insert(driving::safest(&task, path)?),
+                    None => {
+                        driving::route(&task, Gaps::Uniform(LEAST_GAP), path)?;
+                        shortest = Some(path.length());
+                        *safest.insert(driving::safest(&task, path)?)
+                    }
                 };
                 gaps.resize(corners.len(), safest * part);
             }
         }
-        driving::drive(&task, Gaps::PerCorner(gaps), path)
+        driving::drive(&task, Gaps::PerCorner(gaps), path)?;
+        Ok(shortest.unwrap_or(path.length()))
     }
 }
 
