@@ -293,6 +293,27 @@ impl Floor {
     }
 }
 
+impl Floor {
+    /// `side * side` pillars of half a metre, four metres apart and a little out of line.
+    fn pillars(side: usize) -> Self {
+        let width = 4.0 * side as f64 + 2.0;
+        let pillar = |index: usize| {
+            let (i, j) = (index / side, index % side);
+            let x = 4.0 * i as f64 + 2.0 + 0.13 * ((i * 7 + j * 3) % 5) as f64;
+            let y = 4.0 * j as f64 + 2.0 + 0.11 * ((i * 5 + j * 11) % 7) as f64;
+            space([x, y], [x + 0.5, y + 0.5])
+        };
+        Self {
+            solids: (0..side * side).map(pillar).collect(),
+            bounds: space([0.0; 2], [width; 2]),
+            footprint: Footprint::new(0.6, 0.9).expect("a footprint"),
+            gap: 0.2,
+            start: Pose { position: [1.0, 1.0].into(), heading: 0.0 },
+            goal: Goal { position: [width - 1.2, width - 1.0].into(), heading: None },
+        }
+    }
+}
+
 /// All that is made from a floor, in memory that is used again.
 #[derive(Default)]
 struct Planner {
@@ -364,6 +385,12 @@ fn drive_from_solids(bencher: Bencher<'_, '_>, name: &str) {
     let mut planner = Planner::default();
     planner.drive(&floor);
     assert_eq!(planner.corners.len(), turns);
+    bencher.bench_local(|| planner.drive(black_box(&floor)));
+}
+
+#[divan::bench(sample_count = 10, args = [3, 5, 10, 20])]
+fn drive_from_pillars(bencher: Bencher<'_, '_>, side: usize) {
+    let (floor, mut planner) = (Floor::pillars(side), Planner::default());
     bencher.bench_local(|| planner.drive(black_box(&floor)));
 }
 
