@@ -37,20 +37,7 @@ fn section_4() -> Scene {
 }
 
 fn female() -> Polygon {
-    let vertices = [
-        [0., 0.],
-        [0., 7.],
-        [1., 7.],
-        [1., 2.],
-        [4., 2.],
-        [4., 1.],
-        [7., 1.],
-        [7., 6.],
-        [5., 6.],
-        [5., 7.],
-        [8., 7.],
-        [8., 0.],
-    ];
+    let vertices = include!("section_4_female.in");
     Polygon::new(vertices.map(Vector::from).to_vec()).expect("a polygon")
 }
 

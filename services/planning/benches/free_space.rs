@@ -396,20 +396,7 @@ fn drive_from_pillars(bencher: Bencher<'_, '_>, side: usize) {
 
 #[divan::bench]
 fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
-    let female: [[f64; 2]; 12] = [
-        [0., 0.],
-        [0., 7.],
-        [1., 7.],
-        [1., 2.],
-        [4., 2.],
-        [4., 1.],
-        [7., 1.],
-        [7., 6.],
-        [5., 6.],
-        [5., 7.],
-        [8., 7.],
-        [8., 0.],
-    ];
+    let female: [[f64; 2]; 12] = include!("section_4_female.in");
     let female = Polygon::new(female.map(Vector::from).to_vec()).expect("a polygon");
     let male = space([4.5, 1.01], [6.99, 4.0]);
     let (mut planner, mut router) = (Planner::default(), Router::default());

@@ -16,20 +16,7 @@ fn polygon(vertices: &[[f64; 2]]) -> Polygon {
 
 /// f1 to f12 of section 4.
 fn female() -> Polygon {
-    polygon(&[
-        [0., 0.],
-        [0., 7.],
-        [1., 7.],
-        [1., 2.],
-        [4., 2.],
-        [4., 1.],
-        [7., 1.],
-        [7., 6.],
-        [5., 6.],
-        [5., 7.],
-        [8., 7.],
-        [8., 0.],
-    ])
+    polygon(&include!("../../../benches/section_4_female.in"))
 }
 
 fn section_4() -> Scene<2> {

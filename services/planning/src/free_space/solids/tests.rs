@@ -40,20 +40,7 @@ fn check<const D: usize>(
 }
 
 /// The female part of section 4.
-const FEMALE: [[f64; 2]; 12] = [
-    [0., 0.],
-    [0., 7.],
-    [1., 7.],
-    [1., 2.],
-    [4., 2.],
-    [4., 1.],
-    [7., 1.],
-    [7., 6.],
-    [5., 6.],
-    [5., 7.],
-    [8., 7.],
-    [8., 0.],
-];
+const FEMALE: [[f64; 2]; 12] = include!("../../../benches/section_4_female.in");
 
 #[test]
 fn section_4_has_the_channels_of_the_paper() {
