@@ -86,8 +86,8 @@ pub enum Judgement {
 /// bound and looks for the shortest, as far as it comes in half a million steps and four times
 /// those of the first. In corridors it comes to the end. In the open, where a line leads through
 /// many junctions in many orders, it may not: then the route stands that was found first (over
-/// fields of pillars 0.2 % longer than need be). Only routes count whose path leads through their junctions
-/// and passes each corner at the gap, however far: others may cut a corner.
+/// fields of pillars 0.2 % longer than need be). Only routes count whose path leads through
+/// their junctions and passes each corner at the gap, however far: others may cut a corner.
 ///
 /// Time goes with the pairs of junctions passed one after the other: n log n for n
 /// channels that meet a few others each; a channel with k junctions may cost k^2.
@@ -167,7 +167,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     /// Finds the shortest route that can be followed, as `judge` finds out: it is given a
     /// route and its length by the search, metres, and is asked last about the route that
     /// is taken. What blocks a route is avoided from there on, until as many as 16 have
-    /// been refused.
+    /// been refused. Where a robot is told of `walls`, it leaves out lines that touch them at
+    /// once.
     pub fn find_judged(
         &mut self,
         graph: &Graph<D>,
