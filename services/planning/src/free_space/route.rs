@@ -236,7 +236,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 }
                 judgement
             });
-        let effort = first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT);
+        let effort =
+            first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT).min(most_steps);
         let found = match found {
             Ok(()) => match self.find_shortest(search, motion, (length, effort), judge) {
                 Ok(()) => Ok(()),
