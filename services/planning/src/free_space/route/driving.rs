@@ -21,7 +21,7 @@ mod cone;
 /// The taut path through a chain turns about some of its corners and passes the others
 /// at a distance, in a straight line from one circle to a later one. So the search opens
 /// two labels at a junction: one that turns there, and one that passes, which keeps the
-/// circle that the line leaves and the [`Cone`] of directions in which it passes all
+/// circle that the line leaves and the cone of directions in which it passes all
 /// junctions so far. Of the ways that turn about a corner the shortest is the best
 /// whatever follows; of those that pass, one is useless beside another that leaves the
 /// same circle and has a cone around its own.
