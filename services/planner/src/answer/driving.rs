@@ -146,6 +146,10 @@ impl Driving {
         safest: &mut Option<f64>,
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
+        if let Some(gap) = gap.filter(|gap| gap.is_nan() || *gap == f64::NEG_INFINITY) {
+            let error = RouteError::GapNotPositive { axis: 0, gap, least: 0.0 };
+            return Err(refuse::route(&FLOOR, field(), error));
+        }
         let footprint = &terms.footprint;
         // What the robot needs to turn (docs/method.md 6.4: R(g) < W).
         let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));

@@ -110,7 +110,9 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         if onwards >> number(corner.leaving) & 1 == 0 {
             return; // A dead end.
         }
-        for step in motion.enter(search, &self.labels, before, corner).into_iter().flatten() {
+        let steps = motion.enter(search, &self.labels, before, corner).into_iter().flatten();
+        // Numbers that overflow can't be compared, and would go round for ever.
+        for step in steps.filter(|step| step.estimate.is_finite()) {
             let label = Label {
                 state: step.state,
                 length: step.length,
@@ -143,7 +145,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         before: u32,
         junctions: u32,
     ) {
-        let Some(length) = motion.finish(search, &self.labels, before) else { return };
+        let length = motion.finish(search, &self.labels, before);
+        let Some(length) = length.filter(|length| length.is_finite()) else { return };
         let index = self.ends.len() as u32;
         self.ends.push(Ending { length, channel: last as u32, before });
         self.open.push(Entry { estimate: length, junctions, slot: NONE, label: index });
