@@ -26,7 +26,7 @@ fn scenes(scale: f64) -> [SceneRequest; 2] {
     );
     let part = format!(
         r#"{{"task": "disassemble", "free_space": {{"channels": {channels}}},
-        "body": {{"box": {{"min": [1, 1], "max": [1.5, 1.5]}}}},
+        "body": {{"box": {{"min": [-5, 1], "max": [-4.5, 1.5]}}}},
         "clearance": {{"gap": 0.1}}, "sampling": {{"count": 2}}}}"#
     );
     [drive, part].map(|scene| read_scene(&scene).expect("a scene"))
