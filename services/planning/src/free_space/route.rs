@@ -154,7 +154,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
 
     /// Finds the shortest route: out of a channel that reaches farthest along an exit, or
     /// to a goal (where the traveller's centre is to be). Looks at no more than
-    /// `most_steps` pairs of junctions.
+    /// `most_steps` pairs of junctions and ways found before to the second.
     pub fn find(
         &mut self,
         graph: &Graph<D>,
@@ -259,8 +259,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         found
     }
 
-    /// Finds the shortest route that is shorter than a bound, looking at no more than so
-    /// many pairs of junctions.
+    /// Finds the shortest route that is shorter than a bound, in no more than so many steps.
     fn find_shortest(
         &mut self,
         search: &Search<'_, D>,

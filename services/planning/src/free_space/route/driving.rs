@@ -282,11 +282,17 @@ impl Motion<2> for Driving {
         self.line(search, &root, &point(self.goal)).map(|line| root.length_with(&line))
     }
 
-    fn compare(&self, labels: &mut [Label<Passage>], new: &Label<Passage>) -> bool {
+    fn compare(
+        &self,
+        labels: &mut [Label<Passage>],
+        new: &Label<Passage>,
+        steps: &mut usize,
+    ) -> bool {
         let mut at = new.next;
         while let Some(known) = labels.get(at as usize).copied() {
             let index = at as usize;
             at = known.next;
+            *steps += 1;
             if known.beaten || known.way != new.way {
                 continue;
             }

@@ -125,10 +125,16 @@ impl<const D: usize> Motion<D> for Translating<D> {
     /// The coordinate that a rule leaves alone in three dimensions depends on
     /// everything before. So a way is beaten only if it is longer by more than the
     /// difference of the two places, which the other could make up for at once.
-    fn compare(&self, labels: &mut [Label<Vector<D>>], new: &Label<Vector<D>>) -> bool {
+    fn compare(
+        &self,
+        labels: &mut [Label<Vector<D>>],
+        new: &Label<Vector<D>>,
+        steps: &mut usize,
+    ) -> bool {
         let mut at = new.next;
         while let Some(known) = labels.get_mut(at as usize) {
             at = known.next;
+            *steps += 1;
             if known.way == new.way && !known.beaten {
                 let apart = (known.state - new.state).abs().sum();
                 if known.length + apart <= new.length {

@@ -92,8 +92,13 @@ pub trait Motion<const D: usize> {
     ) -> Option<f64>;
 
     /// Compares a new label with those of the same slot, which begin with its `next`: marks
-    /// what is useless beside it; whether it is of use itself.
-    fn compare(&self, labels: &mut [Label<Self::State>], new: &Label<Self::State>) -> bool;
+    /// what is useless beside it; whether it is of use itself. Every label looked at is a step.
+    fn compare(
+        &self,
+        labels: &mut [Label<Self::State>],
+        new: &Label<Self::State>,
+        steps: &mut usize,
+    ) -> bool;
 
     /// Rules out what blocks a route that ends with the label `last` (see
     /// [`super::Judgement::Blocked`]); false if there is nothing to rule out.
