@@ -286,13 +286,13 @@ impl Motion<2> for Driving {
         &self,
         labels: &mut [Label<Passage>],
         new: &Label<Passage>,
-        steps: &mut usize,
+        looks: &mut usize,
     ) -> bool {
         let mut at = new.next;
         while let Some(known) = labels.get(at as usize).copied() {
             let index = at as usize;
             at = known.next;
-            *steps += 1;
+            *looks += 1;
             if known.beaten || known.way != new.way {
                 continue;
             }

@@ -129,12 +129,12 @@ impl<const D: usize> Motion<D> for Translating<D> {
         &self,
         labels: &mut [Label<Vector<D>>],
         new: &Label<Vector<D>>,
-        steps: &mut usize,
+        looks: &mut usize,
     ) -> bool {
         let mut at = new.next;
         while let Some(known) = labels.get_mut(at as usize) {
             at = known.next;
-            *steps += 1;
+            *looks += 1;
             if known.way == new.way && !known.beaten {
                 let apart = (known.state - new.state).abs().sum();
                 if known.length + apart <= new.length {

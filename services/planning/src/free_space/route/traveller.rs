@@ -92,12 +92,12 @@ pub trait Motion<const D: usize> {
     ) -> Option<f64>;
 
     /// Compares a new label with those of the same slot, which begin with its `next`: marks
-    /// what is useless beside it; whether it is of use itself. Every label looked at is a step.
+    /// what is useless beside it; whether it is of use itself. Counts the labels looked at.
     fn compare(
         &self,
         labels: &mut [Label<Self::State>],
         new: &Label<Self::State>,
-        steps: &mut usize,
+        looks: &mut usize,
     ) -> bool;
 
     /// Rules out what blocks a route that ends with the label `last` (see

@@ -124,7 +124,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 way: Way::new(corner.approach, corner.leaving, forced),
                 beaten: false,
             };
-            if motion.compare(&mut self.labels, &label, &mut self.steps) {
+            if motion.compare(&mut self.labels, &label, &mut self.looks) {
                 // Labels are fewer than `NONE`: there are at most 24 per step, and memory
                 // ends before.
                 let index = self.labels.len() as u32;
