@@ -161,7 +161,7 @@ impl Driving {
         let found = free_space.find(&mut robot, |channels, walls, _| {
             *safest = None;
             let refused = match course.lead(channels, terms) {
-                Ok(()) => match course.drive(terms, keep, walls, safest) {
+                Ok(()) => match course.judge(terms, keep, walls, safest) {
                     Ok(length) => return Judgement::Length(length),
                     Err(error) => (course.path.judgement(&error), refuse::driving(field(), error)),
                 },
@@ -234,46 +234,69 @@ impl Course {
         Ok(())
     }
 
-    /// Drives along it. Returns the length that the route is chosen by, metres: that of the
-    /// drive, or with the least gap where the gap depends on the route.
-    fn drive(
+    /// Drives along it, and returns the length that its route is chosen by, metres: that of
+    /// the drive, or with the least gap where the gap depends on the route.
+    fn judge(
         &mut self,
         terms: &Terms,
         keep: Keep,
         walls: &Walls<2>,
         safest: &mut Option<f64>,
     ) -> Result<f64, DrivingError> {
-        let Self { chain, corners, gaps, path } = self;
-        let channels = chain.channels();
-        let task = Drive {
-            footprint: terms.footprint,
-            start: terms.start,
-            goal: terms.goal,
-            start_turn: terms.start_turn,
-            first: channels[0],
-            last: channels[channels.len() - 1],
-            corners,
-            walls,
+        let Keep::Part(_) = keep else {
+            self.drive(terms, keep, walls, safest)?;
+            return Ok(self.path.length());
         };
+        let Self { chain, corners, path, .. } = self;
+        driving::route(&task(terms, chain, corners, walls), Gaps::Uniform(LEAST_GAP), path)?;
+        let length = path.length();
+        self.drive(terms, keep, walls, safest)?;
+        Ok(length)
+    }
+
+    /// Drives along it.
+    fn drive(
+        &mut self,
+        terms: &Terms,
+        keep: Keep,
+        walls: &Walls<2>,
+        safest: &mut Option<f64>,
+    ) -> Result<(), DrivingError> {
+        let Self { chain, corners, gaps, path } = self;
+        let task = task(terms, chain, corners, walls);
         gaps.clear();
-        let mut shortest = None;
         match keep {
             Keep::Gap(gap) => gaps.resize(corners.len(), gap),
             Keep::Gaps(given) => gaps.extend(given.iter().copied().filter_map(one_number)),
             Keep::Part(part) => {
                 let safest = match *safest {
                     Some(safest) => safest,
-                    None => {
-                        driving::route(&task, Gaps::Uniform(LEAST_GAP), path)?;
-                        shortest = Some(path.length());
-                        *safest.insert(driving::safest(&task, path)?)
-                    }
+                    None => *safest.insert(driving::safest(&task, path)?),
                 };
                 gaps.resize(corners.len(), safest * part);
             }
         }
-        driving::drive(&task, Gaps::PerCorner(gaps), path)?;
-        Ok(shortest.unwrap_or(path.length()))
+        driving::drive(&task, Gaps::PerCorner(gaps), path)
+    }
+}
+
+/// What is asked of a robot that is to travel these channels.
+fn task<'a>(
+    terms: &Terms,
+    chain: &Chain<2>,
+    corners: &'a [Corner],
+    walls: &'a Walls<2>,
+) -> Drive<'a> {
+    let channels = chain.channels();
+    Drive {
+        footprint: terms.footprint,
+        start: terms.start,
+        goal: terms.goal,
+        start_turn: terms.start_turn,
+        first: channels[0],
+        last: channels[channels.len() - 1],
+        corners,
+        walls,
     }
 }
 

@@ -212,15 +212,15 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         let search = Search { graph, traveller, mouth, walls };
         search.find_starts(&mut self.starts)?;
         search.check_goal()?;
+        self.onwards.clear();
+        self.onwards.resize(graph.slot_count(), UNKNOWN);
+        if let Some(outline) = motion.outline() {
+            return self.find_from_outline(&search, motion, outline, most_steps, judge);
+        }
         if !self.is_connected(&search) {
             return self.judge_any(&search, most_steps, judge);
         }
-        self.onwards.clear();
-        self.onwards.resize(graph.slot_count(), UNKNOWN);
-        let Some(outline) = motion.outline() else {
-            return self.find_shortest(&search, motion, (f64::INFINITY, most_steps), judge);
-        };
-        self.find_from_outline(&search, motion, outline, most_steps, judge)
+        self.find_shortest(&search, motion, (f64::INFINITY, most_steps), judge)
     }
 
     /// Finds a route by the outline of the motion, and then looks for a shorter one.
@@ -246,16 +246,24 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         let effort =
             first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT).min(most_steps);
         let found = match found {
-            Ok(()) => match self.find_shortest(search, motion, (length, effort), judge) {
-                Ok(()) => Ok(()),
+            Ok(()) => {
+                let mut others = false;
+                let mut judge_other = |route: &[usize], along: f64| {
+                    others = true;
+                    judge(route, along)
+                };
+                let bounds = (length, effort);
+                let shorter = self.find_shortest(search, motion, bounds, &mut judge_other);
                 // None is shorter, or it would take too long to tell.
-                Err(_) => {
+                if shorter.is_err() {
                     self.route.clone_from(&first.route);
-                    judge(&self.route, length);
                     self.length = length;
-                    Ok(())
+                    if others {
+                        judge(&self.route, length);
+                    }
                 }
-            },
+                Ok(())
+            }
             Err(RouteError::Blocked) => {
                 let shortest = self.find_shortest(search, motion, (f64::INFINITY, effort), judge);
                 shortest.map_err(|_| RouteError::Blocked)
