@@ -8,9 +8,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::time::Instant;
 
+use answer::Workspace;
 use bus::{Client, Server, ServerOptions, Wait};
 use integration_tests::{LONG, TestDomain, scene};
-use planner::Workspace;
 use schemas::message::{Choice, ClearanceWish, Gap, SceneRequest, Solid, Task};
 
 thread_local! {

@@ -17,12 +17,18 @@ static METADATA: LazyLock<Metadata> = LazyLock::new(|| {
 fn dependencies(counts: impl Fn(DependencyKind) -> bool) -> BTreeMap<String, BTreeSet<String>> {
     let names = |package: &cargo_metadata::Package| {
         let counted = package.dependencies.iter().filter(|on| counts(on.kind));
-        counted.map(|on| on.name.clone()).collect()
+        counted.map(|on| ours(&on.name)).collect()
     };
-    METADATA.packages.iter().map(|package| (package.name.to_string(), names(package))).collect()
+    METADATA.packages.iter().map(|package| (ours(&package.name), names(package))).collect()
 }
 
-const SERVICES: [&str; 5] = ["schemas", "planning", "bus", "recording", "planner"];
+/// Our packages by the names of their folders.
+fn ours(package: &str) -> String {
+    package.strip_prefix("clearway-").unwrap_or(package).to_owned()
+}
+
+const SERVICES: [&str; 7] =
+    ["schemas", "planning", "answer", "configuration", "bus", "recording", "planner"];
 const TOOLS: [&str; 3] = ["plan", "recorder", "replay"];
 
 #[test]
@@ -33,10 +39,14 @@ fn dependencies_run_one_way() {
         ("schemas", vec![]),
         ("bus", vec!["schemas"]),
         ("recording", vec!["schemas"]),
-        ("planner", vec!["planning", "schemas", "bus", "recording"]),
-        ("plan", SERVICES.to_vec()),
-        ("recorder", SERVICES.to_vec()),
-        ("replay", SERVICES.to_vec()),
+        ("answer", vec!["planning", "schemas"]),
+        ("configuration", vec!["answer"]),
+        ("planner", vec!["answer", "bus", "configuration", "schemas"]),
+        // Plans on its own, too, but knows no planner but that on the bus.
+        ("plan", vec!["schemas", "answer", "configuration", "bus"]),
+        ("recorder", vec!["schemas", "bus", "recording"]),
+        // Plans and compares without a bus.
+        ("replay", vec!["schemas", "answer", "configuration", "recording"]),
         // Shows what the other tools do, by their libraries.
         ("demo", [&SERVICES[..], &TOOLS].concat()),
         // Tests know everything.

@@ -6,10 +6,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use answer::Workspace;
 use bus::{Client, Domain, Server, ServerOptions, Wait};
 use iceoryx2::prelude::{AllocationStrategy, Config, FileName, NodeBuilder, SemanticString, ipc};
 use iceoryx2::service::port_factory::request_response::PortFactory;
-use planner::Workspace;
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
 use schemas::message::{ClearanceWish, Gap, RequestKey, Sampling, SceneRequest};

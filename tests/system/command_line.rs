@@ -2,8 +2,8 @@
 
 use std::process::{Command, Stdio};
 
+use configuration::Config;
 use integration_tests::{Ended, TestDomain, program, root, scene_text};
-use planner::config::Config;
 use serde_json::Value;
 
 fn scene_path(name: &str) -> String {

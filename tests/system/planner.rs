@@ -19,7 +19,7 @@ fn numbered(id: u64) -> SceneRequest {
 /// The reply that a scene must have.
 fn expected(key: RequestKey, scene: &SceneRequest) -> Reply {
     let content = RequestContent::Scene(scene.clone());
-    planner::reply_to(&Request { key, sent_ns: 0, content }, &planner::Caps::default())
+    answer::reply_to(&Request { key, sent_ns: 0, content }, &answer::Caps::default())
 }
 
 #[track_caller]

@@ -4,11 +4,11 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use answer::CacheStats;
 use bus::{Domain, Server};
 use clap::Parser;
-use planner::CacheStats;
-use planner::config::Config;
-use planner::service::serve;
+use configuration::Config;
+use planner::service::{serve, server_options};
 use tracing_subscriber::EnvFilter;
 
 /// Answers scene requests over shared memory with sampled trajectories, until SIGINT
@@ -71,7 +71,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
         None => Config::default(),
     };
     let domain = arguments.domain.unwrap_or_default();
-    let mut server = Server::open(&domain, &config.server_options())?;
+    let mut server = Server::open(&domain, &server_options(&config))?;
     tracing::info!(%domain, wait = ?config.wait, "ready");
     let served = serve(&mut server, &config);
     let CacheStats { hits, misses, bytes, .. } = served.cache;

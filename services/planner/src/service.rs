@@ -1,12 +1,12 @@
 //! The service loop: take a request, answer it, wait.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
 
-use bus::{Incoming, Server, Woken};
+use answer::{CacheStats, Workspace};
+use bus::{Incoming, ReplyOptions, Server, ServerOptions, Wait, Woken};
+use configuration::{Config, WaitFor};
 use schemas::message::{ErrorCode, Refusal};
-
-use crate::config::Config;
-use crate::{CacheStats, Workspace};
 
 /// After this many requests without a pause the loop looks for signals.
 const WITHOUT_PAUSE: u32 = 64;
@@ -95,5 +95,21 @@ impl Memory<'_> {
                 );
             }
         }
+    }
+}
+
+/// The bus's part of the configuration.
+pub fn server_options(config: &Config) -> ServerOptions {
+    ServerOptions {
+        max_clients: config.max_clients,
+        requests_per_client: config.requests_per_client,
+        max_recorders: config.max_recorders,
+        tap_buffer: config.tap_buffer,
+        wait: match config.wait {
+            WaitFor::Event => Wait::Event,
+            WaitFor::Hybrid => Wait::Hybrid,
+            WaitFor::Poll => Wait::Poll,
+        },
+        reply: ReplyOptions { patience: Duration::from_secs_f64(config.patience) },
     }
 }

@@ -3,8 +3,8 @@
 use divan::{Bencher, black_box};
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
-use planning::clearance::walls::{Complement, Walls};
 use planning::disassembly::{Gap, Path, disassemble};
+use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};

@@ -3,10 +3,10 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use planning::clearance::rectangle::Footprint;
-use planning::clearance::walls::{Complement, Walls};
 use planning::driving::{
     Corner, Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, curve, drive, route, safest,
 };
+use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::{AxisBox, Vector};
 use std::f64::consts::FRAC_PI_2;

@@ -4,15 +4,15 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use planning::clearance::rectangle::Footprint;
-use planning::clearance::walls::{Complement, Walls};
 use planning::disassembly::{self, Gap, disassemble};
 use planning::driving::{self, Drive, Gaps, Goal, Pose, StartTurn, corners_of, drive, limits};
 use planning::free_space::graph::Graph;
-use planning::free_space::route::{self, Judgement, Motion, Router, Translating};
 use planning::free_space::solids::{Caps, Solids};
+use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use planning::route::{self, Judgement, Motion, Router, Translating};
 
 fn main() {
     divan::main();
@@ -366,7 +366,7 @@ impl Planner {
             };
             match drive(&task, Gaps::Uniform(gap), path) {
                 Ok(()) => Judgement::Length(path.length()),
-                Err(error) => path.judgement(&error),
+                Err(error) => Judgement::of_refusal(&error, path.legs()),
             }
         });
         found.expect("a route");

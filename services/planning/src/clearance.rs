@@ -2,10 +2,8 @@
 
 use crate::geometry::Vector;
 
-pub mod distance;
 pub mod rectangle;
 pub mod translating;
-pub mod walls;
 
 /// How close the body comes to the walls over a motion, and where.
 #[derive(Debug, Clone, Copy, PartialEq)]

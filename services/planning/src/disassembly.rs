@@ -3,8 +3,8 @@
 //!
 //! Positions are displacements of the body from its assembled state, metres.
 
-use crate::free_space::{Chain, Corner, HalfSpace};
-use crate::geometry::{AxisBox, Sign, Vector};
+use crate::free_space::{Chain, Corner};
+use crate::geometry::{AxisBox, HalfSpace, Sign, Vector};
 use crate::motion::{Curve, Leg, Rule};
 use std::mem;
 use table::{Margin, turn_in};

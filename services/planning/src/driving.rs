@@ -11,9 +11,8 @@ use std::f64::consts::{PI, TAU};
 
 use crate::clearance::Clearance;
 use crate::clearance::rectangle::{self, Footprint, Met};
-use crate::clearance::walls::Walls;
 use crate::free_space::Chain;
-use crate::free_space::route::Judgement;
+use crate::free_space::walls::Walls;
 use crate::geometry::{AxisBox, Direction, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
@@ -191,25 +190,6 @@ impl Path {
     /// [`route`].
     pub fn clearance(&self) -> Option<Clearance<2>> {
         self.clearance
-    }
-
-    /// What a refusal of the way that this path was refilled with says of its route.
-    pub fn judgement(&self, refusal: &DrivingError) -> Judgement {
-        let junction_of = |leg: usize| self.legs.get(leg).and_then(|leg| leg.junction);
-        match *refusal {
-            DrivingError::BodyOutside { .. }
-            | DrivingError::BodyTouchesWall { .. }
-            | DrivingError::GoalOutside { .. }
-            | DrivingError::GapCount { .. } => Judgement::Hopeless,
-            DrivingError::GoalTouchesWall { .. } => Judgement::Blocked(None),
-            DrivingError::GapOutOfRange { corner, .. }
-            | DrivingError::CornersTooClose { second: corner, .. }
-            | DrivingError::CornerNotPassed { corner, .. }
-            | DrivingError::CornerTooNarrow { corner, .. } => Judgement::Blocked(Some(corner)),
-            // Before the first line or after the last.
-            DrivingError::TurnBlocked { leg, .. } => Judgement::Blocked(junction_of(leg + 1)),
-            DrivingError::WallInTheWay { leg, .. } => Judgement::Blocked(junction_of(leg)),
-        }
     }
 
     /// The clearance from the first arriving point to the last leaving point,

@@ -1,32 +1,12 @@
 //! Free space as the paper models it (section 2): channels, and the junctions
 //! where each meets the next.
 
-use crate::geometry::{AxisBox, Direction, Sign, Vector};
+use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use thiserror::Error;
 
 pub mod graph;
-pub mod route;
 pub mod solids;
-
-/// A closed half-space bounded by a plane across an axis (equation 2.1):
-/// `H_s(c)+ = {P: P_s >= c}` or `H_s(c)- = {P: P_s <= c}`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfSpace {
-    /// The coordinate `s`, and on which side of the plane the half-space lies.
-    pub side: Direction,
-    /// The constant `c`, metres.
-    pub bound: f64,
-}
-
-impl HalfSpace {
-    /// Whether `point` lies in it, its plane included.
-    pub fn contains<const D: usize>(&self, point: &Vector<D>) -> bool {
-        match self.side.sign {
-            Sign::Positive => point[self.side.axis] >= self.bound,
-            Sign::Negative => point[self.side.axis] <= self.bound,
-        }
-    }
-}
+pub mod walls;
 
 /// How the last channel is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -251,20 +231,24 @@ impl<const D: usize> Chain<D> {
 }
 
 /// The coordinates in which `part` is a proper part of `channel`, as bits.
-fn proper<const D: usize>(part: &AxisBox<D>, channel: &AxisBox<D>) -> u8 {
+pub(crate) fn proper<const D: usize>(part: &AxisBox<D>, channel: &AxisBox<D>) -> u8 {
     (0..D).fold(0, |bits, axis| {
         let less = part.min()[axis] > channel.min()[axis] || part.max()[axis] < channel.max()[axis];
         bits | u8::from(less) << axis
     })
 }
 
-const fn all_axes<const D: usize>() -> u8 {
+pub(crate) const fn all_axes<const D: usize>() -> u8 {
     (1 << D) - 1
 }
 
 /// Of the axes in `possible` the one along which `from` and `to` are farthest
 /// apart, the lowest if several are.
-fn longest<const D: usize>(possible: u8, from: &Vector<D>, to: &Vector<D>) -> Option<usize> {
+pub(crate) fn longest<const D: usize>(
+    possible: u8,
+    from: &Vector<D>,
+    to: &Vector<D>,
+) -> Option<usize> {
     let mut best: Option<(usize, f64)> = None;
     for axis in (0..D).filter(|axis| possible >> axis & 1 == 1) {
         let distance = (to[axis] - from[axis]).abs();
@@ -276,7 +260,7 @@ fn longest<const D: usize>(possible: u8, from: &Vector<D>, to: &Vector<D>) -> Op
 }
 
 /// The half-space that ends where a channel ends along `exit`.
-fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace {
+pub(crate) fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace {
     let bound = match exit.sign {
         Sign::Positive => channel.max()[exit.axis],
         Sign::Negative => channel.min()[exit.axis],
@@ -285,7 +269,7 @@ fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace 
 }
 
 /// The direction along `axis` that leads from one point to the other.
-fn towards<const D: usize>(from: &Vector<D>, to: &Vector<D>, axis: usize) -> Direction {
+pub(crate) fn towards<const D: usize>(from: &Vector<D>, to: &Vector<D>, axis: usize) -> Direction {
     Direction { axis, sign: Sign::of(to[axis] - from[axis]) }
 }
 

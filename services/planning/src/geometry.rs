@@ -146,9 +146,13 @@ impl Direction {
 }
 
 pub mod box_tree;
+pub mod distance;
+mod half_space;
 pub mod polygon;
 #[cfg(test)]
 pub(crate) mod work;
+
+pub use half_space::HalfSpace;
 
 /// The unit vector at `angle` radians counter-clockwise from +x.
 pub(crate) fn unit(angle: f64) -> Vector<2> {

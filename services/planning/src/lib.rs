@@ -10,10 +10,12 @@
 //! assembly tasks in two dimensions live in (x, z), driving scenes in (x, y),
 //! scenes in three dimensions in (x, y, z); coordinates are held in that order.
 
+pub mod budget;
 pub mod clearance;
 pub mod disassembly;
 pub mod driving;
 pub mod free_space;
 pub mod geometry;
 pub mod motion;
+pub mod route;
 pub mod trajectory;

@@ -89,7 +89,7 @@ fn run(arguments: Arguments) -> Result<ExitCode, Error> {
     let recorded = recorder.stop()?;
     let served = planner.stop()?;
 
-    let plan = |request: &_| planner::reply_to(request, &planner::Caps::default());
+    let plan = |request: &_| answer::reply_to(request, &answer::Caps::default());
     let checked = check::check(&recording, Tolerance::Exact, plan, |_| {});
     domain.tidy();
     output::print(&rows, &directory, &checked)?;

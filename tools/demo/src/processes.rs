@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
 use bus::{Client, ConnectError, Domain, Server, Wait};
-use planner::config::Config;
+use configuration::Config;
 use recorder::Settings;
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -56,7 +56,7 @@ impl Role {
 }
 
 fn serve(domain: &Domain) -> Result<ExitCode, Error> {
-    let mut server = Server::open(domain, &Config::default().server_options())?;
+    let mut server = Server::open(domain, &planner::service::server_options(&Config::default()))?;
     planner::service::serve(&mut server, &Config::default());
     Ok(ExitCode::SUCCESS)
 }

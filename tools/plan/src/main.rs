@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use answer::Caps;
 use bus::{CallError, Client, Domain, Wait};
 use clap::{Parser, ValueEnum};
+use configuration::{Config, ConfigError};
 use plan::map::{self, MapError};
 use plan::output;
-use planner::Caps;
-use planner::config::{Config, ConfigError};
 use schemas::json;
 use schemas::message::{FreeSpace, Reply, Request, RequestContent, RequestKey, SceneRequest};
 use tracing_subscriber::EnvFilter;
@@ -173,7 +173,7 @@ impl Planner {
                 let key = RequestKey { client: 0, sequence: *sequence };
                 *sequence += 1;
                 let content = RequestContent::Scene(scene.clone());
-                Ok(planner::reply_to(&Request { key, sent_ns: 0, content }, caps))
+                Ok(answer::reply_to(&Request { key, sent_ns: 0, content }, caps))
             }
         }
     }

@@ -4,10 +4,10 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use answer::Caps;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use configuration::Config;
 use indicatif::{ProgressBar, ProgressStyle};
-use planner::Caps;
-use planner::config::Config;
 use recording::{Options, recover};
 use schemas::message::{Reply, Request};
 

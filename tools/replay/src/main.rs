@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    replay::cli::main(planner::reply_to)
+    replay::cli::main(answer::reply_to)
 }

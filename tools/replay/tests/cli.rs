@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use answer::Caps;
 use assert_cmd::cargo::cargo_bin;
-use planner::Caps;
 use recording::{Options, Writer};
 use schemas::json;
 use schemas::message::{Reply, ReplyPart, Request, RequestContent, RequestKey};
@@ -42,7 +42,7 @@ fn record(path: &Path, client: u64, change: impl Fn(&mut ReplyPart) -> bool) {
     for sequence in 0..3 {
         let request = request(client, sequence);
         writer.write_request(&request, 10_000 + sequence).unwrap();
-        for mut part in parts(planner::reply_to(&request, &Caps::default())) {
+        for mut part in parts(answer::reply_to(&request, &Caps::default())) {
             if change(&mut part) {
                 writer.write_reply(&part, 20_000 + sequence).unwrap();
             }

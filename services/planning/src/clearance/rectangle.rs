@@ -10,7 +10,7 @@
 use thiserror::Error;
 
 use crate::clearance::Clearance;
-use crate::clearance::walls::{Wall, Walls};
+use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::motion::Curve;
 

@@ -6,9 +6,9 @@
 //! of pairs of segments.
 
 use super::Clearance;
-use super::distance::{distance_segment_box, distance_segment_segment};
-use super::walls::{Wall, Walls, planar};
+use crate::free_space::walls::{Wall, Walls, planar};
 use crate::geometry::box_tree::distance_squared_box_box;
+use crate::geometry::distance::{distance_segment_box, distance_segment_segment};
 use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg};

@@ -87,20 +87,20 @@ impl<const D: usize> Graph<D> {
     }
 
     /// The places of a channel's neighbours in the list of all.
-    pub(super) fn slots(&self, channel: usize) -> std::ops::Range<usize> {
+    pub(crate) fn slots(&self, channel: usize) -> std::ops::Range<usize> {
         self.begins[channel] as usize..self.begins[channel + 1] as usize
     }
 
-    pub(super) fn neighbour_at(&self, slot: usize) -> usize {
+    pub(crate) fn neighbour_at(&self, slot: usize) -> usize {
         self.neighbours[slot] as usize
     }
 
     /// How many slots there are.
-    pub(super) fn slot_count(&self) -> usize {
+    pub(crate) fn slot_count(&self) -> usize {
         self.neighbours.len()
     }
 
-    pub(super) fn tree(&self) -> &BoxTree<D> {
+    pub(crate) fn tree(&self) -> &BoxTree<D> {
         &self.tree
     }
 

@@ -2,7 +2,7 @@
 
 use super::box_tree::BoxTree;
 use super::{AxisBox, Vector};
-use crate::clearance::distance::{cross, segments_meet};
+use crate::geometry::distance::{cross, segments_meet};
 use thiserror::Error;
 
 /// Below this many edges every pair is looked at, without an index.

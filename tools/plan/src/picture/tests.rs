@@ -20,9 +20,9 @@ const IN_SPACE: &str = r#"{ "task": "disassemble", "exit": ["+z", "+x"],
 fn planned(json: &str) -> (SceneRequest, Reply) {
     let scene = schemas::json::read_scene(json).expect("a scene");
     let content = RequestContent::Scene(scene.clone());
-    let reply = planner::reply_to(
+    let reply = answer::reply_to(
         &Request { key: RequestKey::default(), sent_ns: 0, content },
-        &planner::Caps::default(),
+        &answer::Caps::default(),
     );
     (scene, reply)
 }

@@ -3,8 +3,8 @@
 
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND};
-use crate::clearance::distance::{distance_segment_box, distance_segment_segment};
-use crate::clearance::walls::Wall;
+use crate::free_space::walls::Wall;
+use crate::geometry::distance::{distance_segment_box, distance_segment_segment};
 use crate::geometry::{Vector, rotated, unit, unrotated};
 
 /// A line on which the heading turns evenly. Progress runs from 0 to 1.

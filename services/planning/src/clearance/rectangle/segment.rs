@@ -1,7 +1,7 @@
 //! Distances between a rectangle, a segment and points, in the rectangle's frame.
 
-use crate::clearance::distance::cross;
-use crate::clearance::walls::Wall;
+use crate::free_space::walls::Wall;
+use crate::geometry::distance::cross;
 use crate::geometry::{Vector, unrotated};
 
 /// A rectangle whose sides are parallel to the axes of its frame.

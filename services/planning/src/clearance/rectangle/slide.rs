@@ -2,7 +2,7 @@
 
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TIE};
-use crate::clearance::walls::Wall;
+use crate::free_space::walls::Wall;
 use crate::geometry::{Vector, unit};
 
 /// A line travelled along the heading, or a placement if its length is 0.

@@ -6,8 +6,8 @@ use std::f64::consts::FRAC_PI_2;
 use super::segment::{Rectangle, Segment};
 use super::slide::bounds;
 use super::{Footprint, Met, TIE};
-use crate::clearance::distance::cross;
-use crate::clearance::walls::Wall;
+use crate::free_space::walls::Wall;
+use crate::geometry::distance::cross;
 use crate::geometry::{Sign, Vector, rotated, unit, unrotated};
 
 /// The motion in the frame of the body half-way: origin at the centre of the

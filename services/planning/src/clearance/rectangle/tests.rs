@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use proptest::prelude::*;
 
 use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND, nearest, over_curve, over_placement};
-use crate::clearance::walls::{Wall, Walls};
+use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::motion::Curve;
 

@@ -1,7 +1,7 @@
 use super::*;
-use crate::clearance::walls::Complement;
 use crate::disassembly::{Gap, Path, disassemble};
 use crate::free_space::random::{Scene, scenes};
+use crate::free_space::walls::Complement;
 use crate::free_space::{Chain, End};
 use crate::geometry::{Direction, Sign};
 use proptest::prelude::*;

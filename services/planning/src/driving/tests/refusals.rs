@@ -3,9 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::scene::{Scene, channel, corridor_a, point};
-use crate::clearance::walls::Wall;
 use crate::driving::rules::TABLE_2;
 use crate::driving::{Corner, DrivingError, Gaps, Path, Pose, StartTurn, drive, route};
+use crate::free_space::walls::Wall;
 
 fn refused(scene: &Scene, gap: f64) -> DrivingError {
     drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default()).unwrap_err()

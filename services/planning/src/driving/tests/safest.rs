@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 
 use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_ell};
-use crate::clearance::walls::Wall;
 use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
 use crate::driving::{DrivingError, Gaps, Path, curve, drive, safest};
+use crate::free_space::walls::Wall;
 use crate::motion::Curve;
 
 fn turning(scene: &Scene, gap: f64) -> f64 {

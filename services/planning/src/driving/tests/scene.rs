@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 
 use crate::clearance::rectangle::Footprint;
-use crate::clearance::walls::{Complement, Walls};
 use crate::driving::limits::{balanced_gap, least_width};
 use crate::driving::{Corner, Drive, Goal, Pose, StartTurn, corners_of};
+use crate::free_space::walls::{Complement, Walls};
 use crate::free_space::{Chain, End};
 use crate::geometry::{AxisBox, Vector};
 

@@ -1,7 +1,7 @@
 //! Polygons cut into boxes.
 
 use super::SolidsError;
-use crate::clearance::distance::cross;
+use crate::geometry::distance::cross;
 use crate::geometry::polygon::edges;
 use crate::geometry::{AxisBox, Vector};
 use std::collections::BTreeMap;

@@ -1,0 +1,83 @@
+//! What one request may cost.
+
+use planning::free_space::solids;
+use schemas::message::Refusal;
+use serde::Deserialize;
+
+/// The most that one request may cost, in memory and in time. What would cost more is
+/// refused with both numbers.
+///
+/// The same request under the same caps has the same reply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Caps {
+    /// Cells of 8 bytes of a request that is read. Bounds the memory that a scene takes, which
+    /// is at most some ten times as much. 2^26: 512 MiB.
+    pub cells: usize,
+    /// Answers to one request (`each`, `curve`). Bounds time. 10,000.
+    pub answers: u64,
+    /// Samples of one trajectory. Bounds time and the reply: 72 bytes each. 1,000,000.
+    pub samples: u64,
+    /// Boxes that solids are cut into where channels are made from them. Bounds memory: some
+    /// 200 bytes each. 2^20.
+    pub pieces: usize,
+    /// Channels made from solids. Bounds memory: some 100 bytes each. 2^18.
+    pub channels: usize,
+    /// Boxes looked at to make channels from solids. Bounds time: 10 to 100 ns each. 2^26.
+    pub channel_steps: usize,
+    /// Junctions of all channels, where a route is sought through them. Bounds memory: 16 bytes
+    /// each, and more while the route is sought. 2^22.
+    pub junctions: usize,
+    /// Pairs of junctions looked at for one route. Bounds time and memory. 2^24.
+    pub route_steps: usize,
+}
+
+impl Default for Caps {
+    fn default() -> Self {
+        Self {
+            cells: 1 << 26,
+            answers: 10_000,
+            samples: 1_000_000,
+            pieces: 1 << 20,
+            channels: 1 << 18,
+            channel_steps: 1 << 26,
+            junctions: 1 << 22,
+            route_steps: 1 << 24,
+        }
+    }
+}
+
+impl Caps {
+    /// Each with its name in the configuration, its value, and the range that it must be in:
+    /// what can be counted.
+    pub fn ranges(&self) -> [(&'static str, f64, f64, f64); 8] {
+        let most = (1_u64 << 31) as f64;
+        let long = (1_u64 << 40) as f64;
+        [
+            ("caps.cells", self.cells as f64, 1.0, long),
+            ("caps.answers", self.answers as f64, 1.0, most),
+            ("caps.samples", self.samples as f64, 2.0, long),
+            ("caps.pieces", self.pieces as f64, 1.0, most),
+            ("caps.channels", self.channels as f64, 1.0, most),
+            ("caps.channel_steps", self.channel_steps as f64, 1.0, long),
+            ("caps.junctions", self.junctions as f64, 1.0, most),
+            ("caps.route_steps", self.route_steps as f64, 1.0, long),
+        ]
+    }
+
+    /// Refuses a request of more cells than are read.
+    pub fn check_cells(&self, cells: usize) -> Result<(), Refusal> {
+        if cells <= self.cells {
+            return Ok(());
+        }
+        let most = self.cells;
+        let message = format!("the request has {cells} cells of memory, at most {most} are read");
+        let refusal = Refusal::invalid("request", message);
+        Err(Refusal { needs: Some(cells as f64), has: Some(most as f64), ..refusal })
+    }
+
+    pub(crate) fn solids(&self) -> solids::Caps {
+        let Self { pieces, channels, channel_steps: steps, .. } = *self;
+        solids::Caps { pieces, channels, steps }
+    }
+}

@@ -1,0 +1,228 @@
+//! What the body must not touch.
+
+use crate::geometry::box_tree::{BoxTree, distance_squared_box_box};
+use crate::geometry::polygon::{self, Polygon};
+use crate::geometry::{AxisBox, Sign, Vector};
+
+mod complement;
+mod free;
+
+pub use complement::Complement;
+
+/// Up to as many walls there is no index: looking at all is faster.
+const FEW: usize = 64;
+
+/// A flat piece of wall: in two dimensions the segment from `from` to `to`, in
+/// three the axis-parallel rectangle between these opposite corners. Metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wall<const D: usize> {
+    /// One end, or the corner with the least coordinates.
+    pub from: Vector<D>,
+    /// The other end, or the corner with the greatest coordinates.
+    pub to: Vector<D>,
+}
+
+impl<const D: usize> Wall<D> {
+    /// The least and the greatest corner of the smallest box around it.
+    pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
+        (self.from.inf(&self.to), self.from.sup(&self.to))
+    }
+
+    /// Whether it lies across an axis; in three dimensions all walls do.
+    pub fn is_axis_parallel(&self) -> bool {
+        (0..D).any(|axis| self.from[axis] == self.to[axis])
+    }
+}
+
+/// Something solid whose surface is among the walls.
+#[derive(Debug, Clone, Copy)]
+struct Solid<const D: usize> {
+    bounds: AxisBox<D>,
+    /// Its walls: the first, and how many.
+    walls: (usize, usize),
+    /// Whether it fills its bounds.
+    is_box: bool,
+}
+
+/// All walls of a scene.
+///
+/// Refilled again and again in the same memory, 320 bytes per channel of a chain in
+/// two dimensions. After the last addition [`Walls::index`] makes searching
+/// many walls fast; without it everything works, slowly.
+#[derive(Debug, Clone, Default)]
+pub struct Walls<const D: usize> {
+    walls: Vec<Wall<D>>,
+    solids: Vec<Solid<D>>,
+    tree: BoxTree<D>,
+}
+
+impl<const D: usize> Walls<D> {
+    /// Forgets all walls, keeping the memory.
+    pub fn clear(&mut self) {
+        self.walls.clear();
+        self.solids.clear();
+        self.tree.clear();
+    }
+
+    /// Adds a wall.
+    pub fn push(&mut self, wall: Wall<D>) {
+        self.tree.clear();
+        self.walls.push(wall);
+    }
+
+    /// Adds the sides of a solid box.
+    pub fn push_box(&mut self, solid: &AxisBox<D>) {
+        let first = self.walls.len();
+        for axis in 0..D {
+            for sign in [Sign::Negative, Sign::Positive] {
+                let (mut from, mut to) = (solid.min(), solid.max());
+                match sign {
+                    Sign::Negative => to[axis] = from[axis],
+                    Sign::Positive => from[axis] = to[axis],
+                }
+                self.push(Wall { from, to });
+            }
+        }
+        self.solids.push(Solid { bounds: *solid, walls: (first, 2 * D), is_box: true });
+    }
+
+    /// Prepares for searching among many walls; to be called after the last
+    /// addition. Allocates only for more walls than ever before.
+    pub fn index(&mut self) {
+        if self.walls.len() > FEW {
+            let walls = &self.walls;
+            self.tree.build(walls.len(), |index| walls[index].bounds());
+        }
+    }
+
+    /// The memory that it holds.
+    pub fn bytes(&self) -> usize {
+        let walls = self.walls.capacity() * size_of::<Wall<D>>();
+        walls + self.solids.capacity() * size_of::<Solid<D>>() + self.tree.bytes()
+    }
+
+    /// All walls, in the order in which they were added.
+    pub fn as_slice(&self) -> &[Wall<D>] {
+        &self.walls
+    }
+
+    /// Calls `visit` with (at least) every wall that comes closer than `reach`
+    /// to the box from `min` to `max`: in the order of [`Walls::as_slice`] where
+    /// there are at most 64, otherwise in one that depends on the walls alone.
+    pub fn near(
+        &self,
+        min: &Vector<D>,
+        max: &Vector<D>,
+        reach: f64,
+        mut visit: impl FnMut(usize, &Wall<D>),
+    ) {
+        if self.tree.is_empty() {
+            for (index, wall) in self.walls.iter().enumerate() {
+                let (low, high) = wall.bounds();
+                if distance_squared_box_box((&low, &high), (min, max)) <= reach * reach {
+                    visit(index, wall);
+                }
+            }
+        } else {
+            self.tree.visit(min, max, reach, |index| {
+                visit(index, &self.walls[index]);
+                reach
+            });
+        }
+    }
+
+    /// Calls `visit` with (at least) every wall that comes as near to the box
+    /// from `min` to `max` as `visit` last returned, each once.
+    pub fn nearest(
+        &self,
+        min: &Vector<D>,
+        max: &Vector<D>,
+        mut visit: impl FnMut(usize, &Wall<D>) -> f64,
+    ) {
+        if !self.tree.is_empty() {
+            self.tree.visit(min, max, f64::INFINITY, |index| visit(index, &self.walls[index]));
+            return;
+        }
+        // The nearest of the few first, then those that still are in reach.
+        let (few, more) = self.walls.split_at(self.walls.len().min(FEW));
+        let mut distances = [0.0; FEW];
+        let mut first = 0;
+        for (index, wall) in few.iter().enumerate() {
+            let (low, high) = wall.bounds();
+            distances[index] = distance_squared_box_box((&low, &high), (min, max));
+            if distances[index] < distances[first] {
+                first = index;
+            }
+        }
+        let Some(wall) = few.get(first) else { return };
+        let mut reach = visit(first, wall);
+        for (index, wall) in few.iter().enumerate() {
+            if index != first && reach >= 0.0 && distances[index] <= reach * reach {
+                reach = visit(index, wall);
+            }
+        }
+        for (index, wall) in more.iter().enumerate() {
+            if reach >= 0.0 {
+                reach = visit(FEW + index, wall);
+            }
+        }
+    }
+
+    /// The first wall of a solid that has `point` in its interior, if there is one.
+    pub fn solid_around(&self, point: &Vector<D>) -> Option<usize> {
+        let around = |solid: &&Solid<D>| {
+            let (min, max) = (solid.bounds.min(), solid.bounds.max());
+            if !(0..D).all(|axis| min[axis] < point[axis] && point[axis] < max[axis]) {
+                return false;
+            }
+            let (first, count) = solid.walls;
+            let edges = self.walls[first..first + count].iter();
+            let edges = edges.map(|wall| (planar(&wall.from), planar(&wall.to)));
+            solid.is_box || polygon::contains(edges, &planar(point))
+        };
+        self.solids.iter().find(around).map(|solid| solid.walls.0)
+    }
+
+    /// Whether the interior of `space` is free: no wall passes through it, and it is
+    /// not inside of a solid. Contact, also within rounding (some 1e-14 of the
+    /// coordinates), leaves it free.
+    pub fn is_free(&self, space: &AxisBox<D>) -> bool {
+        let mut free = true;
+        self.nearest(&space.min(), &space.max(), |_, wall| {
+            free &= !free::passes_through(wall, space);
+            // Those that touch the box are all that can pass through it.
+            if free { 0.0 } else { -1.0 }
+        });
+        // With no wall in between, all of it is on one side of every surface.
+        free && self.solid_around(&space.center()).is_none()
+    }
+}
+
+impl Walls<2> {
+    /// Adds the sides of a box that is free inside.
+    pub fn push_inside(&mut self, bounds: &AxisBox<2>) {
+        let (min, max) = (bounds.min(), bounds.max());
+        let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));
+        for (from, to) in [(min, right), (right, max), (max, left), (left, min)] {
+            self.push(Wall { from, to });
+        }
+    }
+
+    /// Adds the edges of a solid polygon.
+    pub fn push_polygon(&mut self, solid: &Polygon) {
+        let first = self.walls.len();
+        for (from, to) in polygon::edges(solid.vertices()) {
+            self.push(Wall { from, to });
+        }
+        let walls = (first, self.walls.len() - first);
+        self.solids.push(Solid { bounds: *solid.bounds(), walls, is_box: false });
+    }
+}
+
+/// The first two coordinates.
+pub(crate) fn planar<const D: usize>(point: &Vector<D>) -> Vector<2> {
+    Vector::from([point[0], point[1]])
+}
+
+#[cfg(test)]
+mod tests;

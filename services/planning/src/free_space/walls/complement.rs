@@ -1,0 +1,224 @@
+//! Walls where nothing but channels is free: the boundary of the union (2.3).
+
+use super::{FEW, Wall, Walls};
+use crate::geometry::HalfSpace;
+use crate::geometry::{AxisBox, Sign, Vector};
+use std::cmp::Ordering;
+
+/// An uncovered part of a channel's side.
+#[derive(Debug, Clone, Copy)]
+struct Piece<const D: usize> {
+    /// The axis across which it lies.
+    axis: usize,
+    /// On which side of it the wall is.
+    sign: Sign,
+    min: Vector<D>,
+    max: Vector<D>,
+}
+
+/// Memory for [`Walls::set_complement`], used again.
+#[derive(Debug, Clone, Default)]
+pub struct Complement<const D: usize> {
+    neighbours: Vec<usize>,
+    /// All pieces found; behind them those of the side being worked on.
+    pieces: Vec<Piece<D>>,
+}
+
+#[cfg(test)]
+impl<const D: usize> Complement<D> {
+    /// What it holds, bytes.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&*self.neighbours) + size_of_val(&*self.pieces)
+    }
+}
+
+impl<const D: usize> Walls<D> {
+    /// Replaces all walls by the boundary of the union of `channels`, up to the
+    /// plane of `mouth` where there is one: outside that half-space everything
+    /// is free. Indexes them.
+    ///
+    /// A part of a side is wall unless a channel goes on behind it. Pieces in
+    /// one plane are merged where they continue each other along the last axis,
+    /// and sorted by axis, facing and position. Takes n log n for channels each
+    /// of which overlaps few others.
+    pub fn set_complement(
+        &mut self,
+        channels: &[AxisBox<D>],
+        mouth: Option<HalfSpace>,
+        memory: &mut Complement<D>,
+    ) {
+        self.clear();
+        let Complement { neighbours, pieces } = memory;
+        pieces.clear();
+        // The index of the channels first, and of the walls when that is done with.
+        let tree = &mut self.tree;
+        if channels.len() > FEW {
+            tree.build(channels.len(), |index| (channels[index].min(), channels[index].max()));
+        }
+        for (index, channel) in channels.iter().enumerate() {
+            neighbours.clear();
+            let (min, max) = (channel.min(), channel.max());
+            if channels.len() > FEW {
+                tree.visit(&min, &max, 0.0, |other| {
+                    neighbours.push(other);
+                    0.0
+                });
+                neighbours.sort_unstable();
+            } else {
+                neighbours.extend(0..channels.len());
+            }
+            for axis in 0..D {
+                for sign in [Sign::Negative, Sign::Positive] {
+                    let (mut low, mut high) = (min, max);
+                    match sign {
+                        Sign::Negative => high[axis] = low[axis],
+                        Sign::Positive => low[axis] = high[axis],
+                    }
+                    let mut side = Piece { axis, sign, min: low, max: high };
+                    if mouth.is_none_or(|mouth| clip(&mut side, &mouth)) {
+                        add_uncovered(side, index, neighbours, channels, pieces);
+                    }
+                }
+            }
+        }
+        tree.clear();
+        pieces.sort_unstable_by(compare);
+        let mut last: Option<Piece<D>> = None;
+        for piece in &*pieces {
+            match &mut last {
+                Some(last) if continues(last, piece) => {
+                    last.max[along(piece)] = last.max[along(piece)].max(piece.max[along(piece)]);
+                }
+                _ => {
+                    self.walls.extend(last.map(wall));
+                    last = Some(*piece);
+                }
+            }
+        }
+        self.walls.extend(last.map(wall));
+        self.index();
+    }
+}
+
+fn wall<const D: usize>(piece: Piece<D>) -> Wall<D> {
+    Wall { from: piece.min, to: piece.max }
+}
+
+/// Cuts off what lies outside of the half-space, its plane included; false if
+/// nothing is left.
+fn clip<const D: usize>(piece: &mut Piece<D>, mouth: &HalfSpace) -> bool {
+    let axis = mouth.side.axis;
+    match mouth.side.sign {
+        Sign::Negative => {
+            piece.max[axis] = piece.max[axis].min(mouth.bound);
+            piece.min[axis] < mouth.bound
+        }
+        Sign::Positive => {
+            piece.min[axis] = piece.min[axis].max(mouth.bound);
+            piece.max[axis] > mouth.bound
+        }
+    }
+}
+
+/// Adds the parts of a channel's side behind which no other channel goes on.
+fn add_uncovered<const D: usize>(
+    side: Piece<D>,
+    owner: usize,
+    neighbours: &[usize],
+    channels: &[AxisBox<D>],
+    pieces: &mut Vec<Piece<D>>,
+) {
+    let begin = pieces.len();
+    pieces.push(side);
+    let at = side.min[side.axis];
+    for &index in neighbours {
+        #[cfg(test)]
+        crate::geometry::work::look();
+        if index == owner {
+            continue;
+        }
+        let (min, max) = (channels[index].min(), channels[index].max());
+        let (near, far) = (min[side.axis], max[side.axis]);
+        let goes_on = match side.sign {
+            Sign::Positive => near <= at && at < far,
+            Sign::Negative => near < at && at <= far,
+        };
+        let same_side = match side.sign {
+            Sign::Positive => at == far,
+            Sign::Negative => at == near,
+        };
+        // Of two sides in one place the earlier channel's counts.
+        if goes_on || (same_side && index < owner) {
+            let count = pieces.len();
+            let mut kept = begin;
+            for piece in begin..count {
+                let piece = pieces[piece];
+                if !cut(piece, &min, &max, pieces) {
+                    pieces[kept] = piece;
+                    kept += 1;
+                }
+            }
+            // Close up: what was kept, then the parts of what was cut.
+            pieces.drain(kept..count);
+            if pieces.len() == begin {
+                return;
+            }
+        }
+    }
+}
+
+/// Appends the parts of `piece` beside the box, if the box covers any of it.
+fn cut<const D: usize>(
+    mut piece: Piece<D>,
+    min: &Vector<D>,
+    max: &Vector<D>,
+    parts: &mut Vec<Piece<D>>,
+) -> bool {
+    let mut across = (0..D).filter(|axis| *axis != piece.axis);
+    if !across.all(|axis| min[axis] < piece.max[axis] && max[axis] > piece.min[axis]) {
+        return false;
+    }
+    for axis in (0..D).filter(|axis| *axis != piece.axis) {
+        if piece.min[axis] < min[axis] {
+            let mut part = piece;
+            part.max[axis] = min[axis];
+            piece.min[axis] = min[axis];
+            parts.push(part);
+        }
+        if max[axis] < piece.max[axis] {
+            let mut part = piece;
+            part.min[axis] = max[axis];
+            piece.max[axis] = max[axis];
+            parts.push(part);
+        }
+    }
+    true
+}
+
+/// The axis along which pieces are merged: the last in their plane.
+fn along<const D: usize>(piece: &Piece<D>) -> usize {
+    if piece.axis == D - 1 { D - 2 } else { D - 1 }
+}
+
+fn compare<const D: usize>(a: &Piece<D>, b: &Piece<D>) -> Ordering {
+    let mut order = a.axis.cmp(&b.axis).then(a.sign.cmp(&b.sign));
+    order = order.then(a.min[a.axis].total_cmp(&b.min[a.axis]));
+    let last = along(a);
+    for axis in (0..D).filter(|axis| *axis != a.axis && *axis != last) {
+        order = order
+            .then(a.min[axis].total_cmp(&b.min[axis]))
+            .then(a.max[axis].total_cmp(&b.max[axis]));
+    }
+    order.then(a.min[last].total_cmp(&b.min[last]))
+}
+
+/// Whether `next` lies in the same strip as `piece` and begins where that ends, or before.
+fn continues<const D: usize>(piece: &Piece<D>, next: &Piece<D>) -> bool {
+    let last = along(piece);
+    piece.axis == next.axis
+        && piece.sign == next.sign
+        && (0..D)
+            .filter(|axis| *axis != last)
+            .all(|axis| piece.min[axis] == next.min[axis] && piece.max[axis] == next.max[axis])
+        && next.min[last] <= piece.max[last]
+}

@@ -1,0 +1,31 @@
+//! Whether a wall leaves a box free.
+
+use super::{Wall, planar};
+use crate::geometry::distance::cross;
+use crate::geometry::{AxisBox, Vector};
+
+/// Whether the wall has a point in the interior of `space`, farther inside than rounding.
+///
+/// Both are convex, so they are apart if and only if a line (a plane) separates them; what is
+/// to be tried are those across the axes and, for a segment, the one that it lies on.
+pub(super) fn passes_through<const D: usize>(wall: &Wall<D>, space: &AxisBox<D>) -> bool {
+    let size = [wall.from, wall.to, space.min(), space.max()].map(|corner| corner.amax());
+    let rounding = 16.0 * f64::EPSILON * size.into_iter().fold(0.0, f64::max);
+    let (min, max) = (space.min().add_scalar(rounding), space.max().add_scalar(-rounding));
+    let (low, high) = wall.bounds();
+    if !(0..D).all(|axis| low[axis] < max[axis] && min[axis] < high[axis]) {
+        return false;
+    }
+    // In space walls are parallel to the axes.
+    D != 2 || is_cut((&planar(&wall.from), &planar(&wall.to)), (&planar(&min), &planar(&max)))
+}
+
+/// Whether the line through `from` and `to` has corners of the box on both sides.
+fn is_cut((from, to): (&Vector<2>, &Vector<2>), (min, max): (&Vector<2>, &Vector<2>)) -> bool {
+    let corners = [*min, Vector::from([max[0], min[1]]), *max, Vector::from([min[0], max[1]])];
+    let sides = corners.map(|corner| cross(&(to - from), &(corner - from)));
+    sides.iter().any(|side| *side < 0.0) && sides.iter().any(|side| *side > 0.0)
+}
+
+#[cfg(test)]
+mod tests;

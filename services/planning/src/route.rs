@@ -1,0 +1,400 @@
+//! The way through channels that are in any order.
+
+use crate::free_space::End;
+use crate::free_space::graph::Graph;
+use crate::free_space::walls::Walls;
+use crate::geometry::Sign;
+use std::collections::BinaryHeap;
+use std::mem;
+
+mod blocked;
+mod driving;
+mod error;
+mod judgement;
+mod label;
+mod refusal;
+mod search;
+mod translating;
+mod traveller;
+mod walk;
+mod widest;
+
+pub use blocked::{Blocked, Passage, Place, blocked};
+pub use driving::Driving;
+pub use error::RouteError;
+pub use judgement::Judgement;
+pub use label::Label;
+pub use search::Search;
+pub use translating::Translating;
+pub use traveller::{Motion, Traveller};
+
+use label::{Ending, Entry, NONE};
+use search::farthest;
+
+const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
+
+/// How many routes may be blocked before the search is given up.
+const MOST_BLOCKED: usize = 16;
+
+/// The second search of a robot's route may take so many times the steps of the first, and so
+/// many more.
+const EFFORT: usize = 4;
+const LEAST_EFFORT: usize = 3 << 18;
+
+/// As many ways are compared in the time that a pair of junctions takes.
+const LOOKS_OF_A_STEP: usize = 32;
+
+/// No set of directions.
+const UNKNOWN: u8 = u8::MAX;
+
+/// Lengths that differ by no more are the same, metres.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// Looks for routes, in memory that is used again.
+///
+/// # What is shortest
+///
+/// The route is the one whose [`Chain`](crate::free_space::Chain) has the shortest path by the
+/// rules, of all sequences of channels that do not go straight back through the
+/// junction they came by: for a body ([`Translating`]) by the length that
+/// [`crate::disassembly::disassemble`] gives, the way out included, for a robot
+/// ([`Driving`]) by that of [`crate::driving::route`]. A channel may be travelled twice
+/// where that is shorter than any way without. Of several routes of the very same
+/// length one is always the same: it has the fewest channels, and then the lowest
+/// index where the search met them.
+///
+/// # How
+///
+/// Where the rule puts a body in a junction, and which corner a robot turns about there,
+/// depends on the directions in which it comes and goes, which the chain takes from the
+/// centres of the junctions before and after. So the search (A*, by what is missing to
+/// the mouth or the goal in a straight line) goes over junctions with both directions,
+/// and one bit that says whether the channel before had a choice of axes; this makes the
+/// chain's choice the search's own. What else a path's length depends on, and when one
+/// way into a junction makes another useless, is the [`Motion`]'s.
+///
+/// A robot's route is sought twice. The first search goes by straight lines from junction to
+/// junction ([`Motion::outline`]) and is quick; the second takes what the first found as a
+/// bound and looks for the shortest, as far as it comes in some 800,000 steps and four times
+/// those of the first. In corridors it comes to the end. In the open, where a line leads through
+/// many junctions in many orders, it may not: then the route stands that was found first (over
+/// fields of pillars 0.2 % longer than need be). Only routes count whose path leads through
+/// their junctions and passes each corner at the gap, however far: others may cut a corner.
+///
+/// Time goes with the pairs of junctions passed one after the other: n log n for n
+/// channels that meet a few others each; a channel with k junctions may cost k^2.
+/// Memory is `8 D + 56` bytes (for a robot 104) for every way found to a state (some ten
+/// per junction), never for more of them than 24 per pair, and 10 bytes per junction.
+#[derive(Debug, Clone)]
+pub struct Router<const D: usize, M: Motion<D>> {
+    labels: Vec<Label<M::State>>,
+    /// For every slot the first label.
+    heads: Vec<u32>,
+    /// For every slot the directions that lead on from the junction, as bits, once known.
+    onwards: Vec<u8>,
+    ends: Vec<Ending>,
+    open: BinaryHeap<Entry>,
+    starts: Vec<usize>,
+    seen: Vec<bool>,
+    /// Pairs of junctions looked at.
+    steps: usize,
+    /// Ways found before that new ones were compared with.
+    looks: usize,
+    route: Vec<usize>,
+    length: f64,
+    /// For the outline of a motion.
+    first: Option<Box<Router<D, Translating<D>>>>,
+}
+
+impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
+    fn default() -> Self {
+        Self {
+            labels: Vec::new(),
+            heads: Vec::new(),
+            onwards: Vec::new(),
+            ends: Vec::new(),
+            open: BinaryHeap::new(),
+            starts: Vec::new(),
+            seen: Vec::new(),
+            steps: 0,
+            looks: 0,
+            route: Vec::new(),
+            length: 0.0,
+            first: None,
+        }
+    }
+}
+
+/// What came of one search.
+enum Found {
+    /// The route is there.
+    Route,
+    /// No way leads to the end.
+    Nothing,
+    /// The shortest is blocked, and what blocks it is ruled out from here on.
+    Blocked,
+    /// The shortest is blocked, and looking on is of no use.
+    Hopeless,
+}
+
+impl<const D: usize, M: Motion<D>> Router<D, M> {
+    /// The route found last: indices of channels in travel order. Empty after an error.
+    pub fn route(&self) -> &[usize] {
+        &self.route
+    }
+
+    /// The length of the path by the rules along the route, metres.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Finds the shortest route: out of a channel that reaches farthest along an exit, or
+    /// to a goal (where the traveller's centre is to be). Looks at no more than
+    /// `most_steps` pairs of junctions, or compares as many ways as would take that time.
+    pub fn find(
+        &mut self,
+        graph: &Graph<D>,
+        motion: &mut M,
+        most_steps: usize,
+    ) -> Result<(), RouteError> {
+        self.find_judged(graph, None, motion, most_steps, |_, length| Judgement::Length(length))
+    }
+
+    /// Finds the shortest route that can be followed, as `judge` finds out: it is given a
+    /// route and its length by the search, metres, and is asked last about the route that
+    /// is taken. What blocks a route is avoided from there on, until as many as 16 have
+    /// been refused. Where a robot is told of `walls`, it leaves out lines that touch them at
+    /// once.
+    pub fn find_judged(
+        &mut self,
+        graph: &Graph<D>,
+        walls: Option<&Walls<D>>,
+        motion: &mut M,
+        most_steps: usize,
+        mut judge: impl FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        self.route.clear();
+        self.length = 0.0;
+        (self.steps, self.looks) = (0, 0);
+        let found = self.try_find((graph, walls), motion, most_steps, &mut judge);
+        if found.is_err() {
+            self.route.clear();
+        }
+        found
+    }
+
+    fn try_find(
+        &mut self,
+        (graph, walls): (&Graph<D>, Option<&Walls<D>>),
+        motion: &mut M,
+        most_steps: usize,
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        if graph.channels().is_empty() {
+            return Err(RouteError::NoChannels);
+        }
+        let traveller = *motion.traveller();
+        let mouth = match traveller.end {
+            End::Exit(exit) => farthest(graph.channels(), exit),
+            End::Goal(_) => None,
+        };
+        let search = Search { graph, traveller, mouth, walls };
+        search.find_starts(&mut self.starts)?;
+        search.check_goal()?;
+        self.onwards.clear();
+        self.onwards.resize(graph.slot_count(), UNKNOWN);
+        if let Some(outline) = motion.outline() {
+            return self.find_from_outline(&search, motion, outline, most_steps, judge);
+        }
+        if !self.is_connected(&search) {
+            return self.judge_any(&search, most_steps, judge);
+        }
+        self.find_shortest(&search, motion, (f64::INFINITY, most_steps), judge)
+    }
+
+    /// Finds a route by the outline of the motion, and then looks for a shorter one.
+    fn find_from_outline(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        mut outline: Translating<D>,
+        most_steps: usize,
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        let mut first = mem::take(&mut self.first).unwrap_or_default();
+        let mut length = f64::INFINITY;
+        let found =
+            first.find_judged(search.graph, None, &mut outline, most_steps, |route, along| {
+                let judgement = judge(route, along);
+                if let Judgement::Length(exact) = judgement {
+                    length = exact;
+                    return Judgement::Length(along);
+                }
+                judgement
+            });
+        let effort =
+            first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT).min(most_steps);
+        let found = match found {
+            Ok(()) => {
+                let mut others = false;
+                let mut judge_other = |route: &[usize], along: f64| {
+                    others = true;
+                    judge(route, along)
+                };
+                let bounds = (length, effort);
+                let shorter = self.find_shortest(search, motion, bounds, &mut judge_other);
+                // None is shorter, or it would take too long to tell.
+                if shorter.is_err() {
+                    self.route.clone_from(&first.route);
+                    self.length = length;
+                    if others {
+                        judge(&self.route, length);
+                    }
+                }
+                Ok(())
+            }
+            Err(RouteError::Blocked) => {
+                let shortest = self.find_shortest(search, motion, (f64::INFINITY, effort), judge);
+                shortest.map_err(|_| RouteError::Blocked)
+            }
+            Err(error) => Err(error),
+        };
+        self.first = Some(first);
+        found
+    }
+
+    /// Finds the shortest route that is shorter than a bound, in no more than so many steps.
+    fn find_shortest(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        bounds: (f64, usize),
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        let is_bounded = bounds.0.is_finite();
+        for blocked in 0..MOST_BLOCKED {
+            match self.search(search, motion, bounds, judge)? {
+                Found::Route => return Ok(()),
+                Found::Blocked => {}
+                Found::Nothing if blocked == 0 && !is_bounded => {
+                    return self.judge_any(search, bounds.1, judge);
+                }
+                Found::Nothing | Found::Hopeless => break,
+            }
+        }
+        Err(RouteError::Blocked)
+    }
+
+    /// Whether junctions that are large enough lead from a start to an end.
+    fn is_connected(&mut self, search: &Search<'_, D>) -> bool {
+        let Self { starts, seen, route: open, .. } = self;
+        seen.clear();
+        seen.resize(search.graph.channels().len(), false);
+        open.clear();
+        open.extend_from_slice(starts);
+        starts.iter().for_each(|start| seen[*start] = true);
+        while let Some(channel) = open.pop() {
+            if search.ends_in(channel) {
+                open.clear();
+                return true;
+            }
+            for slot in search.graph.slots(channel) {
+                let next = search.graph.neighbour_at(slot);
+                let passable = || search.passable(&search.graph.channels()[channel], slot);
+                if !seen[next] && passable().is_some() {
+                    seen[next] = true;
+                    open.push(next);
+                }
+            }
+        }
+        false
+    }
+
+    /// Says why there is no route. If nothing can be said but that the path can't be made
+    /// through junctions that are large enough, the judge is asked about that route.
+    fn judge_any(
+        &mut self,
+        search: &Search<'_, D>,
+        most_steps: usize,
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<(), RouteError> {
+        self.route = refusal::why_not(search, &self.starts, most_steps)?;
+        match judge(&self.route, f64::INFINITY) {
+            Judgement::Length(length) => {
+                self.length = length;
+                Ok(())
+            }
+            _ => Err(RouteError::Blocked),
+        }
+    }
+
+    fn search(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        (bound, most_steps): (f64, usize),
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
+    ) -> Result<Found, RouteError> {
+        self.labels.clear();
+        self.ends.clear();
+        self.open.clear();
+        self.heads.clear();
+        self.heads.resize(search.graph.slot_count(), NONE);
+        for index in 0..self.starts.len() {
+            self.start_in(search, motion, self.starts[index]);
+        }
+        while let Some(entry) = self.open.pop() {
+            if entry.estimate >= bound {
+                return Ok(Found::Hopeless);
+            }
+            if entry.slot == NONE {
+                let Ending { length, before, .. } = self.ends[entry.label as usize];
+                self.trace(entry.label);
+                match judge(&self.route, length) {
+                    Judgement::Length(exact) if exact <= length + SAME_LENGTH => {
+                        self.length = exact;
+                        return Ok(Found::Route);
+                    }
+                    // Others may be shorter.
+                    Judgement::Length(exact) => {
+                        self.ends[entry.label as usize].length = exact;
+                        self.open.push(Entry { estimate: exact, ..entry });
+                    }
+                    Judgement::Blocked(junction) => {
+                        return Ok(match motion.avoid(&self.labels, before, junction) {
+                            true => Found::Blocked,
+                            false => Found::Hopeless,
+                        });
+                    }
+                    Judgement::Hopeless => return Ok(Found::Hopeless),
+                }
+                continue;
+            }
+            let label = self.labels[entry.label as usize];
+            if !label.beaten {
+                self.go_on(search, motion, entry.label, &label);
+            }
+            let has = self.steps + self.looks / LOOKS_OF_A_STEP;
+            if has > most_steps {
+                return Err(RouteError::TooManySteps { has, most: most_steps });
+            }
+        }
+        Ok(Found::Nothing)
+    }
+
+    /// Refills the route with the channels that lead to an end.
+    fn trace(&mut self, end: u32) {
+        let Ending { channel, before, .. } = self.ends[end as usize];
+        self.route.clear();
+        self.route.push(channel as usize);
+        let mut at = before;
+        while let Some(label) = self.labels.get(at as usize) {
+            self.route.push(label.channel as usize);
+            at = label.before;
+        }
+        self.route.reverse();
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,342 @@
+//! A robot that turns about corners on guiding circles.
+
+use super::label::{Label, NONE};
+use super::traveller::{Motion, Step, Traveller};
+use super::{SAME_LENGTH, Search, Translating};
+use crate::driving::rules::TurnRule;
+use crate::driving::tangent::{Circle, Tangent, tangent};
+use crate::free_space::walls::Walls;
+use crate::free_space::{Corner, End};
+use crate::geometry::box_tree::distance_squared_box_box;
+use crate::geometry::distance::distance_segment_segment;
+use crate::geometry::{AxisBox, Sign, Vector, unrotated};
+use cone::Cone;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+mod cone;
+
+/// A robot whose path is drawn taut about the guiding circles (equation 5.1) of the
+/// corners it passes.
+///
+/// The taut path through a chain turns about some of its corners and passes the others
+/// at a distance, in a straight line from one circle to a later one. So the search opens
+/// two labels at a junction: one that turns there, and one that passes, which keeps the
+/// circle that the line leaves and the cone of directions in which it passes all
+/// junctions so far. Of the ways that turn about a corner the shortest is the best
+/// whatever follows; of those that pass, one is useless beside another that leaves the
+/// same circle and has a cone around its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Driving {
+    traveller: Traveller<2>,
+    goal: Vector<2>,
+    radius: f64,
+    half_width: f64,
+    /// Straight lines from one circle to another that are not to be followed.
+    blocked: Vec<[Circle; 2]>,
+}
+
+/// How a junction is passed.
+#[derive(Debug, Clone, Copy)]
+pub enum Passage {
+    /// On its corner's guiding circle.
+    Turning {
+        /// The circle.
+        circle: Circle,
+        /// Direction of the line that arrives there (unit vector).
+        arrival: Vector<2>,
+        /// The label of the circle that the line leaves; `NONE`: the start.
+        root: u32,
+    },
+    /// Straight on, its corner at a distance.
+    Straight {
+        /// The same.
+        root: u32,
+        /// Directions of lines that pass every junction since.
+        cone: Cone,
+    },
+}
+
+/// What a straight line leaves: a circle, or the start.
+#[derive(Debug, Clone, Copy)]
+struct Root {
+    /// Its label; `NONE`: the start.
+    index: u32,
+    circle: Circle,
+    /// Direction in which the path arrives there; none at the start.
+    arrival: Option<Vector<2>>,
+    /// Length up to there, metres.
+    length: f64,
+    /// Directions in which it can be left.
+    cone: Cone,
+}
+
+impl Root {
+    /// Where the path arrives.
+    fn begin(&self) -> Vector<2> {
+        let Circle { center, signed_radius } = self.circle;
+        let normal = |arrival: Vector<2>| Vector::<2>::new(-arrival.y, arrival.x);
+        self.arrival.map_or(center, |arrival| center - normal(arrival) * signed_radius)
+    }
+
+    /// Length of the path that leaves it along a line, metres.
+    fn length_with(&self, line: &Tangent) -> f64 {
+        let Some(arrival) = &self.arrival else { return line.length };
+        let swept = angle(arrival, &line.direction, sense(&self.circle)).max(0.0);
+        self.length + self.circle.signed_radius.abs() * swept + line.length
+    }
+
+    /// The directions of lines that lead through a junction and pass its corner at more than
+    /// the guiding circle's radius.
+    fn cone_through(&self, junction: &AxisBox<2>, circle: &Circle) -> Option<Cone> {
+        let past = tangent(&self.circle, circle)?.direction;
+        let past = self.cone.common(&Cone::half(&past, sense(circle).opposite()))?;
+        let (min, max) = (junction.min(), junction.max());
+        let corners = [min, Vector::<2>::new(max.x, min.y), max, Vector::<2>::new(min.x, max.y)];
+        let lines = corners.map(|corner| tangent(&self.circle, &point(corner)));
+        let directions = lines.iter().flatten().map(|line| &line.direction);
+        if distance_to(junction, &self.circle.center) > self.circle.signed_radius.abs() {
+            return Cone::around(directions).common(&past);
+        }
+        // The start lies in the junction, or the arc leads into it or begins there; only
+        // where all of it lies ahead can the line not leave the arc before it can lead
+        // into it.
+        let Some(arrival) = &self.arrival else { return Some(past) };
+        let turn = sense(&self.circle);
+        let angles = directions.map(|direction| (angle(arrival, direction, turn), direction));
+        match angles.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((angle, first)) if angle > 0.0 => Cone::half(first, turn).common(&past),
+            _ => Some(past),
+        }
+    }
+}
+
+impl Driving {
+    /// A robot whose centre is at `position` and is to come to `goal`, that passes
+    /// junctions larger than `needs` on every axis (metres), is as wide as `width` and turns
+    /// about corners with this gap.
+    pub fn new(
+        position: Vector<2>,
+        goal: Vector<2>,
+        needs: Vector<2>,
+        (width, gap): (f64, f64),
+    ) -> Self {
+        let end = End::Goal(goal);
+        let (least, greatest) = (position, position);
+        let traveller = Traveller { least, greatest, needs, gap: Vector::zeros(), end };
+        // (5.1)
+        let (half_width, radius) = (width / 2.0, width / 2.0 + gap);
+        Self { traveller, goal, radius, half_width, blocked: Vec::new() }
+    }
+
+    /// The guiding circle of a corner (equation 5.1), on the side of its turn.
+    fn guiding_circle(&self, corner: &Corner<2>) -> Option<Circle> {
+        let rule = TurnRule::of(corner.approach, corner.leaving)?;
+        let signed_radius = rule.turn.factor() * self.radius;
+        Some(Circle { center: rule.corner_of(&corner.junction), signed_radius })
+    }
+
+    /// What the line leaves that the way to a label (`NONE`: the start) is on; `None` if
+    /// another way there has been found to be better.
+    fn root(&self, labels: &[Label<Passage>], from: u32) -> Option<Root> {
+        let (index, passed) = match labels.get(from as usize).map(|label| &label.state) {
+            Some(Passage::Straight { root, cone }) => (*root, Some(*cone)),
+            _ => (from, None),
+        };
+        if labels.get(index as usize).is_some_and(|label| label.beaten) {
+            return None;
+        }
+        let root = self.root_of(labels, index);
+        Some(Root { cone: passed.unwrap_or(root.cone), ..root })
+    }
+
+    /// The circle of a label that turns; otherwise the start.
+    fn root_of(&self, labels: &[Label<Passage>], index: u32) -> Root {
+        match labels.get(index as usize).map(|label| (label.length, &label.state)) {
+            Some((length, Passage::Turning { circle, arrival, .. })) => Root {
+                index,
+                circle: *circle,
+                arrival: Some(*arrival),
+                length,
+                cone: Cone::half(arrival, sense(circle)),
+            },
+            _ => Root {
+                index: NONE,
+                circle: point(self.traveller.least),
+                arrival: None,
+                length: 0.0,
+                cone: Cone::ALL,
+            },
+        }
+    }
+
+    /// The line from a root to a circle, if the cone holds it and nothing is in the way.
+    fn line(&self, search: &Search<'_, 2>, root: &Root, circle: &Circle) -> Option<Tangent> {
+        let line = tangent(&root.circle, circle)?;
+        let blocked = || !self.blocked.is_empty() && self.blocked.contains(&[root.circle, *circle]);
+        let passes = root.cone.holds(&line.direction) && !blocked();
+        (passes && search.walls.is_none_or(|walls| self.is_clear(walls, &line))).then_some(line)
+    }
+
+    /// Whether no wall is so near a line that the robot's side would touch it.
+    fn is_clear(&self, walls: &Walls<2>, line: &Tangent) -> bool {
+        let (from, to) = (&line.from, &line.to);
+        let mut clear = true;
+        walls.near(&from.inf(to), &from.sup(to), self.half_width, |_, wall| {
+            let closest = || distance_segment_segment((from, to), (&wall.from, &wall.to));
+            clear = clear && closest().distance > self.half_width;
+        });
+        clear
+    }
+
+    /// Whether two roots are the same circle, reached in the same way.
+    fn is_same(&self, labels: &[Label<Passage>], one: u32, other: u32) -> bool {
+        one == other || {
+            let [one, other] = [one, other].map(|index| self.root_of(labels, index));
+            one.circle == other.circle
+                && one.arrival == other.arrival
+                && (one.length - other.length).abs() <= SAME_LENGTH
+        }
+    }
+
+    /// Whether a way that turns about a corner is no longer than another: both arrive on
+    /// the same circle, and one goes on (or back) along it to where the other arrives.
+    fn beats(
+        &self,
+        (one, arrival): (f64, &Vector<2>),
+        (other, later): (f64, &Vector<2>),
+        circle: &Circle,
+    ) -> bool {
+        // Seldom is it so close that the angle decides.
+        let most = self.radius * PI;
+        one + most <= other
+            || one - most <= other
+                && one + self.radius * angle(arrival, later, sense(circle)) <= other
+    }
+}
+
+fn point(center: Vector<2>) -> Circle {
+    Circle { center, signed_radius: 0.0 }
+}
+
+/// Which way a circle is run around.
+fn sense(circle: &Circle) -> Sign {
+    Sign::of(circle.signed_radius)
+}
+
+/// The angle from one direction to another in the sense of a turn, in [-pi, pi].
+fn angle(from: &Vector<2>, to: &Vector<2>, turn: Sign) -> f64 {
+    let turned = unrotated(to, from);
+    libm::atan2(turn.factor() * turned.y, turned.x)
+}
+
+/// How far a box is from a point; 0 if it holds it.
+fn distance_to(space: &AxisBox<2>, point: &Vector<2>) -> f64 {
+    let ends = (&space.min(), &space.max());
+    distance_squared_box_box(ends, (point, point)).sqrt()
+}
+
+impl Motion<2> for Driving {
+    type State = Passage;
+
+    fn traveller(&self) -> &Traveller<2> {
+        &self.traveller
+    }
+
+    /// By straight lines from point to point, where the bisector of each corner cuts its
+    /// guiding circle: the middle of the arc of a full quarter turn.
+    fn outline(&self) -> Option<Translating<2>> {
+        Some(Translating::with_margin(self.traveller, self.radius * FRAC_1_SQRT_2))
+    }
+
+    fn enter(
+        &self,
+        search: &Search<'_, 2>,
+        labels: &[Label<Passage>],
+        from: u32,
+        corner: &Corner<2>,
+    ) -> [Option<Step<Passage>>; 2] {
+        let (Some(circle), Some(root)) = (self.guiding_circle(corner), self.root(labels, from))
+        else {
+            return [None; 2];
+        };
+        let (junction, index) = (&corner.junction, root.index);
+        let turning = self.line(search, &root, &circle).map(|line| {
+            let length = root.length_with(&line);
+            let state = Passage::Turning { circle, arrival: line.direction, root: index };
+            Step { state, length, estimate: length + (self.goal - line.to).norm() }
+        });
+        let straight = root.cone_through(junction, &circle).map(|cone| {
+            let (state, begin) = (Passage::Straight { root: index, cone }, root.begin());
+            let over = distance_to(junction, &begin) + distance_to(junction, &self.goal);
+            let estimate = root.length + over.max((self.goal - begin).norm());
+            Step { state, length: root.length, estimate }
+        });
+        [turning, straight]
+    }
+
+    fn finish(&self, search: &Search<'_, 2>, labels: &[Label<Passage>], from: u32) -> Option<f64> {
+        if from == NONE && self.goal == self.traveller.least {
+            return Some(0.0);
+        }
+        let root = self.root(labels, from)?;
+        self.line(search, &root, &point(self.goal)).map(|line| root.length_with(&line))
+    }
+
+    fn compare(
+        &self,
+        labels: &mut [Label<Passage>],
+        new: &Label<Passage>,
+        looks: &mut usize,
+    ) -> bool {
+        let mut at = new.next;
+        while let Some(known) = labels.get(at as usize).copied() {
+            let index = at as usize;
+            at = known.next;
+            *looks += 1;
+            if known.beaten || known.way != new.way {
+                continue;
+            }
+            match (&known.state, &new.state) {
+                (
+                    Passage::Turning { circle, arrival: one, .. },
+                    Passage::Turning { arrival: other, .. },
+                ) => {
+                    if self.beats((known.length, one), (new.length, other), circle) {
+                        return false;
+                    }
+                    labels[index].beaten =
+                        self.beats((new.length, other), (known.length, one), circle);
+                }
+                (
+                    Passage::Straight { root: one, cone: around },
+                    Passage::Straight { root: other, cone: within },
+                ) if self.is_same(labels, *one, *other) => {
+                    if around.contains(within) {
+                        return false;
+                    }
+                    labels[index].beaten = within.contains(around);
+                }
+                _ => {}
+            }
+        }
+        true
+    }
+
+    fn avoid(&mut self, labels: &[Label<Passage>], last: u32, junction: Option<usize>) -> bool {
+        let Some(Root { index: mut from, .. }) = self.root(labels, last) else { return false };
+        let mut line = [point(self.traveller.least), point(self.goal)];
+        // The line that leads to the junction's corner, or passes it at a distance.
+        let passed = junction.map_or(usize::MAX, |junction| junction + 1);
+        while let Some(label) = labels.get(from as usize)
+            && let Passage::Turning { circle, root, .. } = &label.state
+        {
+            if (label.junctions as usize) < passed {
+                line[0] = *circle;
+                break;
+            }
+            (from, line[1]) = (*root, *circle);
+        }
+        self.blocked.push(line);
+        true
+    }
+}

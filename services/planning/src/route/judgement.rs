@@ -1,0 +1,38 @@
+//! What following a route says about it.
+
+use crate::driving::DrivingError;
+use crate::motion::Leg;
+
+/// What was found about a route, by following it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Judgement {
+    /// It can be followed; the length of its path, metres.
+    Length(f64),
+    /// It can't: what stands in the way is met on the arc about this junction or the
+    /// straight line that leads to it; `None`: on the last line, to the goal.
+    /// Junctions are counted from 0 in travel order.
+    Blocked(Option<usize>),
+    /// It can't, and nor can any other.
+    Hopeless,
+}
+
+impl Judgement {
+    /// What the refusal of a drive says about its route; `legs` are those of the refused path.
+    pub fn of_refusal(refusal: &DrivingError, legs: &[Leg<2>]) -> Self {
+        let junction_of = |leg: usize| legs.get(leg).and_then(|leg| leg.junction);
+        match *refusal {
+            DrivingError::BodyOutside { .. }
+            | DrivingError::BodyTouchesWall { .. }
+            | DrivingError::GoalOutside { .. }
+            | DrivingError::GapCount { .. } => Self::Hopeless,
+            DrivingError::GoalTouchesWall { .. } => Self::Blocked(None),
+            DrivingError::GapOutOfRange { corner, .. }
+            | DrivingError::CornersTooClose { second: corner, .. }
+            | DrivingError::CornerNotPassed { corner, .. }
+            | DrivingError::CornerTooNarrow { corner, .. } => Self::Blocked(Some(corner)),
+            // Before the first line or after the last.
+            DrivingError::TurnBlocked { leg, .. } => Self::Blocked(junction_of(leg + 1)),
+            DrivingError::WallInTheWay { leg, .. } => Self::Blocked(junction_of(leg)),
+        }
+    }
+}

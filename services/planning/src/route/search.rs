@@ -1,0 +1,112 @@
+//! What is looked for: junctions that a traveller passes, from where it is to the end.
+
+use super::label::number;
+use super::{RouteError, SIGNS, Traveller, refusal};
+use crate::free_space::graph::Graph;
+use crate::free_space::walls::Walls;
+use crate::free_space::{End, mouth_of};
+use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
+
+/// What is looked for.
+pub struct Search<'a, const D: usize> {
+    pub(super) graph: &'a Graph<D>,
+    pub(super) traveller: Traveller<D>,
+    /// With an exit: where the channels that reach farthest along it end.
+    pub(super) mouth: Option<HalfSpace>,
+    /// What stands in the way, where that is known beforehand.
+    pub(super) walls: Option<&'a Walls<D>>,
+}
+
+/// The mouth of the channels that reach farthest along the exit.
+pub(super) fn farthest<const D: usize>(
+    channels: &[AxisBox<D>],
+    exit: Direction,
+) -> Option<HalfSpace> {
+    let mouths = channels.iter().map(|channel| mouth_of(channel, exit));
+    let reach = |mouth: &HalfSpace| exit.sign.factor() * mouth.bound;
+    mouths.reduce(|a, b| if reach(&b) > reach(&a) { b } else { a })
+}
+
+impl<const D: usize> Search<'_, D> {
+    /// The channels that the traveller is in, in ascending order.
+    pub(super) fn find_starts(&self, starts: &mut Vec<usize>) -> Result<(), RouteError> {
+        let Traveller { least, greatest, .. } = &self.traveller;
+        let channels = self.graph.channels();
+        starts.clear();
+        self.graph.tree().visit(least, least, 0.0, |index| {
+            if channels[index].holds(least) && channels[index].holds(greatest) {
+                starts.push(index);
+            }
+            0.0
+        });
+        starts.sort_unstable();
+        if starts.is_empty() {
+            let (channel, axis, body, end) = refusal::nearest(channels, least, greatest);
+            return Err(RouteError::StartOutside { channel, axis, body, end });
+        }
+        Ok(())
+    }
+
+    pub(super) fn check_goal(&self) -> Result<(), RouteError> {
+        let End::Goal(goal) = self.traveller.end else { return Ok(()) };
+        let channels = self.graph.channels();
+        let mut found = false;
+        self.graph.tree().visit(&goal, &goal, 0.0, |_| {
+            found = true;
+            -1.0
+        });
+        if !found {
+            let (channel, axis, goal, end) = refusal::nearest(channels, &goal, &goal);
+            return Err(RouteError::GoalOutside { channel, axis, goal, end });
+        }
+        Ok(())
+    }
+
+    pub(super) fn ends_in(&self, index: usize) -> bool {
+        let channel = &self.graph.channels()[index];
+        match self.traveller.end {
+            End::Exit(exit) => Some(mouth_of(channel, exit)) == self.mouth,
+            End::Goal(goal) => channel.holds(&goal),
+        }
+    }
+
+    /// The directions in which something lies in the channel behind a slot: another
+    /// junction, or the end.
+    pub(super) fn onwards(&self, before: usize, slot: usize) -> u8 {
+        let (graph, here) = (self.graph, self.graph.neighbour_at(slot));
+        let directions = (0..D).flat_map(|axis| SIGNS.map(|sign| Direction { axis, sign }));
+        if self.ends_in(here) {
+            return directions.fold(0, |bits, direction| bits | 1 << number(direction));
+        }
+        let channel = &graph.channels()[here];
+        let Some(junction) = graph.channels()[before].intersection(channel) else { return 0 };
+        let center = junction.center();
+        let others = || graph.slots(here).map(|slot| graph.neighbour_at(slot));
+        let leads_on = |direction: &Direction| {
+            others().any(|other| {
+                let other = (other != before).then(|| &graph.channels()[other]);
+                other.is_some_and(|other| lies_towards(*direction, &center, channel, other))
+            })
+        };
+        directions.filter(leads_on).fold(0, |bits, direction| bits | 1 << number(direction))
+    }
+
+    /// The junction of a channel with its neighbour, if the traveller fits.
+    pub(super) fn passable(&self, channel: &AxisBox<D>, slot: usize) -> Option<AxisBox<D>> {
+        let next = &self.graph.channels()[self.graph.neighbour_at(slot)];
+        channel.intersection(next).filter(|junction| self.traveller.fits(junction))
+    }
+}
+
+/// Whether the middle of the common part of two channels lies that way from `center`.
+pub(super) fn lies_towards<const D: usize>(
+    direction: Direction,
+    center: &Vector<D>,
+    one: &AxisBox<D>,
+    other: &AxisBox<D>,
+) -> bool {
+    let Direction { axis, sign } = direction;
+    let (min, max) =
+        (one.min()[axis].max(other.min()[axis]), one.max()[axis].min(other.max()[axis]));
+    Sign::of((min + max) / 2.0 - center[axis]) == sign
+}
