@@ -17,7 +17,7 @@ pub(super) const DIRECTIONS: [Direction; 6] = [
     Direction::MinusZ,
 ];
 
-pub(super) const ERRORS: [ErrorCode; 14] = [
+pub(super) const ERRORS: [ErrorCode; 15] = [
     ErrorCode::InvalidScene,
     ErrorCode::UnsupportedVersion,
     ErrorCode::BodyOutsideFreeSpace,
@@ -32,6 +32,7 @@ pub(super) const ERRORS: [ErrorCode; 14] = [
     ErrorCode::DeadlineExceeded,
     ErrorCode::Overloaded,
     ErrorCode::Internal,
+    ErrorCode::TooCostly,
 ];
 
 /// The value that a code stands for.

@@ -258,4 +258,6 @@ pub enum ErrorCode {
     Overloaded,
     /// The planner failed.
     Internal,
+    /// Answering would cost more than a request may.
+    TooCostly,
 }

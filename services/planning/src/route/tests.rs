@@ -289,7 +289,7 @@ fn steps_and_junctions_are_capped() {
     let mut male = male(Gap::Safest);
     let result = router.find(&graph, &mut male, 3);
     assert!(matches!(result, Err(RouteError::TooManySteps { most: 3, .. })), "{result:?}");
-    let error = super::super::graph::GraphError::TooManyJunctions { has: 3, most: 2 };
+    let error = crate::free_space::graph::GraphError::TooManyJunctions { has: 3, most: 2 };
     assert_eq!(graph.build(&section_4(), 2), Err(error));
     assert_eq!(graph.channels(), []);
 }
