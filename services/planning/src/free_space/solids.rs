@@ -8,6 +8,7 @@ use thiserror::Error;
 mod axis;
 mod candidates;
 mod outline;
+mod part;
 mod sweep;
 
 /// How much may be spent on one free space.

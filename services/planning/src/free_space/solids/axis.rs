@@ -1,6 +1,6 @@
 //! The coordinates along an axis by their ranks, and the solids' sides there.
 
-use super::sweep::{Part, Solid};
+use super::part::{Part, RankedSolid};
 use crate::geometry::Sign;
 
 /// Everything that is compared along an axis is compared by rank: of two coordinates
@@ -46,7 +46,11 @@ impl Axis {
     }
 
     /// Sorts the solids' sides by rank; the greatest number of them in one place.
-    pub(super) fn sort_sides<const D: usize>(&mut self, solids: &[Solid<D>], axis: usize) -> usize {
+    pub(super) fn sort_sides<const D: usize>(
+        &mut self,
+        solids: &[RankedSolid<D>],
+        axis: usize,
+    ) -> usize {
         let ranks = self.coordinates.len();
         let least = self.least.sort(ranks, solids, |part| part.min[axis]);
         least.max(self.greatest.sort(ranks, solids, |part| part.max[axis]))
@@ -81,7 +85,7 @@ impl Sides {
     fn sort<const D: usize>(
         &mut self,
         ranks: usize,
-        solids: &[Solid<D>],
+        solids: &[RankedSolid<D>],
         rank: impl Fn(&Part<D>) -> u32,
     ) -> usize {
         self.begins.clear();

@@ -1,6 +1,6 @@
 //! The boxes considered at one time, in an index of those that a solid reaches into.
 
-use super::sweep::Part;
+use super::part::Part;
 use crate::geometry::Sign;
 
 const NONE: u32 = u32::MAX;

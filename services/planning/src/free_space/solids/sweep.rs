@@ -13,6 +13,7 @@
 
 use super::axis::Axis;
 use super::candidates::Candidates;
+use super::part::{Part, RankedSolid, SIGNS};
 use super::{Caps, SolidsError};
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
@@ -20,68 +21,10 @@ use crate::geometry::{AxisBox, Sign, Vector};
 /// Up to so many solids are looked at without the index.
 const FEW: usize = 16;
 
-const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
-
-/// A box, by the ranks of its coordinates. The order is that of channels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Part<const D: usize> {
-    pub(super) min: [u32; D],
-    pub(super) max: [u32; D],
-}
-
-impl<const D: usize> Part<D> {
-    pub(super) fn side(&self, axis: usize, sign: Sign) -> u32 {
-        match sign {
-            Sign::Negative => self.min[axis],
-            Sign::Positive => self.max[axis],
-        }
-    }
-
-    pub(super) fn side_mut(&mut self, axis: usize, sign: Sign) -> &mut u32 {
-        match sign {
-            Sign::Negative => &mut self.min[axis],
-            Sign::Positive => &mut self.max[axis],
-        }
-    }
-
-    /// The smallest box around both.
-    pub(super) fn around(&self, other: &Self) -> Self {
-        Self {
-            min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
-            max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
-        }
-    }
-
-    /// A number that has nothing to do with where it is.
-    fn shuffled(&self) -> u64 {
-        // The mixing steps of the SplitMix64 generator.
-        self.min.iter().chain(&self.max).fold(0, |hash: u64, rank| {
-            let mixed = (hash ^ u64::from(*rank)).wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-            mixed ^ mixed >> 31
-        })
-    }
-
-    pub(super) fn overlaps(&self, other: &Self, axis: usize) -> bool {
-        self.min[axis] < other.max[axis] && other.min[axis] < self.max[axis]
-    }
-}
-
-/// A solid within the bounds. The order is that in which they are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Solid<const D: usize> {
-    /// Where it begins along the sweep; of those that begin together, one before the
-    /// other without rhyme or reason: from one end to the other, each would look at
-    /// all that come later.
-    turn: u64,
-    pub(super) part: Part<D>,
-}
-
 /// Reusable memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sweep<const D: usize> {
-    solids: Vec<Solid<D>>,
+    solids: Vec<RankedSolid<D>>,
     axes: Vec<Axis>,
     ends: Vec<(f64, u32)>,
     /// Over the solids, where some side has more than a few in one place.
@@ -181,7 +124,8 @@ impl<const D: usize> Sweep<D> {
         let inside = || solids.iter().filter_map(|solid| solid.intersection(bounds));
         let unknown = Part { min: [0; D], max: [0; D] };
         self.solids.clear();
-        self.solids.extend(inside().chain([*bounds]).map(|_| Solid { turn: 0, part: unknown }));
+        self.solids
+            .extend(inside().chain([*bounds]).map(|_| RankedSolid { turn: 0, part: unknown }));
         self.axes.resize_with(D, Axis::default);
         for (index, axis) in self.axes.iter_mut().enumerate() {
             let all = inside().chain([*bounds]);
