@@ -334,6 +334,7 @@ fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal,
         least: number(2),
         most: number(3),
         heading: number(4),
+        setting: None,
     })
 }
 

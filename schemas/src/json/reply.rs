@@ -221,6 +221,8 @@ struct RefusalView<'a> {
     most: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     heading: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    setting: Option<&'a str>,
 }
 
 impl<'a> From<&'a Refusal> for RefusalView<'a> {
@@ -236,6 +238,7 @@ impl<'a> From<&'a Refusal> for RefusalView<'a> {
             least: refusal.least,
             most: refusal.most,
             heading: refusal.heading,
+            setting: refusal.setting.as_deref(),
         }
     }
 }

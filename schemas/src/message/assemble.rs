@@ -244,7 +244,11 @@ fn size(answer: &Answer) -> usize {
                 + size_of_val::<[Leg]>(&trajectory.legs)
                 + size_of_val::<[Sample]>(&trajectory.samples)
         }
-        Err(refusal) => refusal.message.len() + refusal.field.as_deref().map_or(0, str::len),
+        Err(refusal) => {
+            refusal.message.len()
+                + refusal.field.as_deref().map_or(0, str::len)
+                + refusal.setting.as_deref().map_or(0, str::len)
+        }
     };
     size_of::<Answer>() + lists
 }

@@ -169,6 +169,10 @@ pub struct Refusal {
     pub most: Option<f64>,
     /// The heading that would be free, radians.
     pub heading: Option<f64>,
+    /// The setting of the planner's configuration whose limit was met, such as
+    /// `caps.route_steps`.
+    #[serde(skip)]
+    pub setting: Option<String>,
 }
 
 impl Refusal {
@@ -185,6 +189,7 @@ impl Refusal {
             least: None,
             most: None,
             heading: None,
+            setting: None,
         }
     }
 

@@ -239,6 +239,7 @@ fn read_refusal(from: &mut Bytes) -> Refusal {
         least: from.option(Bytes::f64),
         most: from.option(Bytes::f64),
         heading: from.option(Bytes::f64),
+        setting: None,
     }
 }
 
@@ -368,8 +369,9 @@ proptest! {
 
     #[test]
     fn refusals_are_the_same_to_another_codec(ours in refusal(&finite())) {
-        let Refusal { code, message, field, junction, axis, needs, has, least, most, heading } =
-            ours.clone();
+        let Refusal {
+            code, message, field, junction, axis, needs, has, least, most, heading, setting: _,
+        } = ours.clone();
         let code = other::CODES[ERRORS.iter().position(|error| *error == code).unwrap()];
         let theirs = other::Refusal {
             code, message, field, junction, axis, needs, has, least, most, heading,

@@ -267,7 +267,20 @@ pub(crate) fn refusal(numbers: &Numbers) -> BoxedStrategy<Refusal> {
         (number(), number(), number(), number(), number()),
     )
         .prop_map(|((code, message, field, junction, axis), (needs, has, least, most, heading))| {
-            Refusal { code, message, field, junction, axis, needs, has, least, most, heading }
+            let setting = None;
+            Refusal {
+                code,
+                message,
+                field,
+                junction,
+                axis,
+                needs,
+                has,
+                least,
+                most,
+                heading,
+                setting,
+            }
         })
         .boxed()
 }
