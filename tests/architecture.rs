@@ -49,6 +49,8 @@ fn dependencies_run_one_way() {
         ("replay", vec!["schemas", "answer", "configuration", "recording"]),
         // Shows what the other tools do, by their libraries.
         ("demo", [&SERVICES[..], &TOOLS].concat()),
+        // Makes what the others' tests compare with.
+        ("bless", [&SERVICES[..], &TOOLS, &["integration-tests"]].concat()),
         // Tests know everything.
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
     ]

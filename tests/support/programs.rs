@@ -24,9 +24,10 @@ pub fn program(name: &str) -> PathBuf {
 }
 
 fn build() -> BTreeMap<String, PathBuf> {
-    // This is <target>/<profile>/deps/<name>-<hash>.
+    // A test is <target>/<profile>/deps/<name>-<hash>, a program <target>/<profile>/<name>.
     let this = std::env::current_exe().expect("the system knows this program");
-    let profile = this.ancestors().nth(2).expect("tests lie in a directory for their profile");
+    let mut folders = this.ancestors().skip(1).skip_while(|folder| folder.ends_with("deps"));
+    let profile = folders.next().expect("programs are in a folder for their profile");
     let target = profile.parent().expect("profiles lie in the target directory");
     let profile = match profile.file_name().and_then(|name| name.to_str()) {
         Some("debug") | None => "dev",

@@ -1,8 +1,6 @@
 //! The whole path once, and the pictures that came of it.
 
-use std::fs;
-
-use integration_tests::{TestDomain, root};
+use integration_tests::TestDomain;
 
 #[test]
 fn two_demos_run_at_once() {
@@ -28,18 +26,4 @@ fn two_demos_run_at_once() {
     let again = test.run("demo", &["-o", "one"]);
     assert_eq!(again.code, Some(1));
     assert!(again.stderr.contains("holds a demo already"), "{}", again.stderr);
-}
-
-#[test]
-fn the_documents_show_what_is_drawn_today() {
-    let test = TestDomain::new();
-    for name in ["disassemble", "drive-a", "drive-b"] {
-        let scene = root().join(format!("recordings/scenes/{name}.json"));
-        let picture = format!("{name}.svg");
-        let arguments = ["--local", scene.to_str().unwrap(), "--svg", &picture];
-        assert_eq!(test.run("plan", &arguments).code, Some(0));
-        let drawn = fs::read_to_string(test.path(&picture)).unwrap();
-        let shown = fs::read_to_string(root().join("docs").join(&picture)).unwrap();
-        assert!(drawn == shown, "docs/{picture} is out of date: draw it anew with plan --svg");
-    }
 }

@@ -27,6 +27,12 @@ fn recordings_replay_bit_for_bit() {
 }
 
 #[test]
+fn generated_files_are_up_to_date() {
+    let checked = TestDomain::new().run("bless", &["--check"]);
+    assert_eq!(checked.code, Some(0), "run `cargo bless`: {checked:?}");
+}
+
+#[test]
 fn recordings_are_small_and_described() {
     let readme = std::fs::read_to_string(root().join("recordings/README.md")).unwrap();
     let scenes = integration_tests::scene_files();

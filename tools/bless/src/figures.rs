@@ -1,0 +1,1 @@
+//! The figures of `docs/method.md`: a function for each, which returns the SVG's text.
