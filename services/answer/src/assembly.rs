@@ -311,7 +311,9 @@ impl<const D: usize> Assembly<D> {
         if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
             let mut body = Translating::new(terms.body.bounds(), gap, End::Exit(exit))
                 .map_err(|error| refuse::route(&terms.axes, field(), error))?;
-            let found = self.free_space.find(&mut body, |_, _, length| Judgement::Length(length));
+            let found = self
+                .free_space
+                .find(&mut body, |_, _, length| Judgement::Accepted { length, value: () });
             found.map_err(|error| {
                 self.free_space.refuse_route(&terms.axes, field(), error, body.traveller())
             })?;

@@ -1,5 +1,7 @@
 //! Driving: the rectangular mobile robot through corridors (paper, section 5).
 
+use std::mem;
+
 use planning::clearance::rectangle::Footprint;
 use planning::driving::{
     self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
@@ -24,6 +26,8 @@ use super::{Refused, Wish, Wishes, answer_each, check};
 pub(super) struct Driving {
     free_space: FreeSpace<2, route::Driving>,
     course: Course,
+    /// Memory for a course that is tried.
+    spare: Course,
     /// For which gap the course was found; `None`: for any.
     found_for: Option<Option<f64>>,
     profile: Profile,
@@ -37,6 +41,8 @@ struct Course {
     /// The gap at every corner of the answer at hand, metres.
     gaps: Vec<f64>,
     path: Path,
+    /// The safest gap, once it is sought, metres.
+    safest: Option<f64>,
 }
 
 /// The gaps that an answer is to keep, metres.
@@ -91,9 +97,8 @@ impl Driving {
         }
         self.found_for = None;
 
-        let mut safest = None;
         answer_each(key, scene.id, wishes, sink, |index, last, parts| {
-            self.plan(&terms, wishes, index, &mut safest)?;
+            self.plan(&terms, wishes, index)?;
             Ok(self.send(&terms, wishes.sampled(), last, parts))
         })
     }
@@ -103,15 +108,8 @@ impl Driving {
         self.free_space.release();
     }
 
-    /// Plans one answer; `course` and `profile` then hold it. `safest` is sought once for
-    /// all answers that want it.
-    fn plan(
-        &mut self,
-        terms: &Terms,
-        wishes: &Wishes,
-        index: u32,
-        safest: &mut Option<f64>,
-    ) -> Result<(), Refused> {
+    /// Plans one answer; `course` and `profile` then hold it.
+    fn plan(&mut self, terms: &Terms, wishes: &Wishes, index: u32) -> Result<(), Refused> {
         let field = || wishes.field(index);
         let keep = Keep::of(wishes.get(index), field)?;
         let gap = match keep {
@@ -121,7 +119,7 @@ impl Driving {
         if !self.free_space.is_routed() || self.found_for == Some(gap) {
             let walls = self.free_space.walls();
             self.course
-                .drive(terms, keep, walls, safest)
+                .drive(terms, keep, walls)
                 .map_err(|error| refuse::driving(field(), error))?;
         } else {
             if let Keep::Gaps(_) = keep {
@@ -130,7 +128,7 @@ impl Driving {
                 return Err(Refusal::invalid(field, message).into());
             }
             self.found_for = None;
-            self.find_course(terms, keep, gap, safest, field)?;
+            self.find_course(terms, keep, gap, field)?;
             self.found_for = Some(gap);
         }
         self.profile.plan(self.course.path.legs(), &terms.limits, Stops::AtTurns);
@@ -143,7 +141,6 @@ impl Driving {
         terms: &Terms,
         keep: Keep,
         gap: Option<f64>,
-        safest: &mut Option<f64>,
         field: impl Fn() -> String,
     ) -> Result<(), Refused> {
         if let Some(gap) = gap.filter(|gap| gap.is_nan() || *gap == f64::NEG_INFINITY) {
@@ -156,15 +153,16 @@ impl Driving {
         let sides = (footprint.width(), gap.unwrap_or(0.0));
         let (start, goal) = (terms.start.position, terms.goal.position);
         let mut robot = route::Driving::new(start, goal, Vector::repeat(needs), sides);
-        let Self { free_space, course, .. } = self;
+        let Self { free_space, spare, .. } = self;
         let mut first = None;
         let found = free_space.find(&mut robot, |channels, walls, _| {
-            *safest = None;
-            let refused = match course.lead(channels, terms) {
-                Ok(()) => match course.judge(terms, keep, walls, safest) {
-                    Ok(length) => return Judgement::Length(length),
+            let refused = match spare.lead(channels, terms) {
+                Ok(()) => match spare.judge(terms, keep, walls) {
+                    Ok(length) => {
+                        return Judgement::Accepted { length, value: mem::take(spare) };
+                    }
                     Err(error) => (
-                        Judgement::of_refusal(&error, course.path.legs()),
+                        Judgement::of_refusal(&error, spare.path.legs()),
                         refuse::driving(field(), error),
                     ),
                 },
@@ -173,13 +171,15 @@ impl Driving {
             first.get_or_insert(refused.1);
             refused.0
         });
-        found.map_err(|error| match (error, first) {
+        let course = found.map_err(|error| match (error, first) {
             (RouteError::Blocked, Some(refused)) => refused,
             (error, _) => {
                 let refused = free_space.refuse_route(&FLOOR, field(), error, robot.traveller());
                 with_less_gap(refused, footprint, gap, field)
             }
-        })
+        })?;
+        self.spare = mem::replace(&mut self.course, course);
+        Ok(())
     }
 
     fn send<S: PartSink>(
@@ -229,7 +229,8 @@ impl<'a> Keep<'a> {
 impl Course {
     /// Makes the chain of the channels travelled, and its corners.
     fn lead(&mut self, channels: &[AxisBox<2>], terms: &Terms) -> Result<(), Refusal> {
-        let Self { chain, corners, .. } = self;
+        let Self { chain, corners, safest, .. } = self;
+        *safest = None;
         chain
             .build(channels, &terms.start.position, End::Goal(terms.goal.position))
             .map_err(|error| refuse::chain(&FLOOR, error))?;
@@ -239,33 +240,21 @@ impl Course {
 
     /// Drives along it, and returns the length that its route is chosen by, metres: that of
     /// the drive, or with the least gap where the gap depends on the route.
-    fn judge(
-        &mut self,
-        terms: &Terms,
-        keep: Keep,
-        walls: &Walls<2>,
-        safest: &mut Option<f64>,
-    ) -> Result<f64, DrivingError> {
+    fn judge(&mut self, terms: &Terms, keep: Keep, walls: &Walls<2>) -> Result<f64, DrivingError> {
         let Keep::Part(_) = keep else {
-            self.drive(terms, keep, walls, safest)?;
+            self.drive(terms, keep, walls)?;
             return Ok(self.path.length());
         };
         let Self { chain, corners, path, .. } = self;
         driving::route(&task(terms, chain, corners, walls), Gaps::Uniform(LEAST_GAP), path)?;
         let length = path.length();
-        self.drive(terms, keep, walls, safest)?;
+        self.drive(terms, keep, walls)?;
         Ok(length)
     }
 
     /// Drives along it.
-    fn drive(
-        &mut self,
-        terms: &Terms,
-        keep: Keep,
-        walls: &Walls<2>,
-        safest: &mut Option<f64>,
-    ) -> Result<(), DrivingError> {
-        let Self { chain, corners, gaps, path } = self;
+    fn drive(&mut self, terms: &Terms, keep: Keep, walls: &Walls<2>) -> Result<(), DrivingError> {
+        let Self { chain, corners, gaps, path, safest } = self;
         let task = task(terms, chain, corners, walls);
         gaps.clear();
         match keep {

@@ -211,11 +211,11 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
 
     /// Finds the channels to travel: the shortest route that can be followed, as `judge`
     /// finds out, given its channels and the walls.
-    pub(super) fn find(
+    pub(super) fn find<T>(
         &mut self,
         motion: &mut M,
-        mut judge: impl FnMut(&[AxisBox<D>], &Walls<D>, f64) -> Judgement,
-    ) -> Result<(), RouteError> {
+        mut judge: impl FnMut(&[AxisBox<D>], &Walls<D>, f64) -> Judgement<T>,
+    ) -> Result<T, RouteError> {
         let Self { caps, graph, walls, router, travelled, .. } = self;
         let graph = graph.as_deref().expect("channels are in order, or connected");
         let no_walls = Walls::default();

@@ -365,12 +365,11 @@ impl Planner {
                 walls,
             };
             match drive(&task, Gaps::Uniform(gap), path) {
-                Ok(()) => Judgement::Length(path.length()),
+                Ok(()) => Judgement::Accepted { length: path.length(), value: path.length() },
                 Err(error) => Judgement::of_refusal(&error, path.legs()),
             }
         });
-        found.expect("a route");
-        self.path.length()
+        found.expect("a route")
     }
 }
 

@@ -126,9 +126,9 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
 }
 
 /// What came of one search.
-enum Found {
-    /// The route is there.
-    Route,
+enum Found<T> {
+    /// The route is there, and this is what the judge made of it.
+    Route(T),
     /// No way leads to the end.
     Nothing,
     /// The shortest is blocked, and what blocks it is ruled out from here on.
@@ -157,22 +157,25 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         motion: &mut M,
         most_steps: usize,
     ) -> Result<(), RouteError> {
-        self.find_judged(graph, None, motion, most_steps, |_, length| Judgement::Length(length))
+        self.find_judged(graph, None, motion, most_steps, |_, length| Judgement::Accepted {
+            length,
+            value: (),
+        })
     }
 
     /// Finds the shortest route that can be followed, as `judge` finds out: it is given a
-    /// route and its length by the search, metres, and is asked last about the route that
+    /// route and its length by the search, metres. Returns what the judge made of the route that
     /// is taken. What blocks a route is avoided from there on, until as many as 16 have
     /// been refused. Where a robot is told of `walls`, it leaves out lines that touch them at
     /// once.
-    pub fn find_judged(
+    pub fn find_judged<T>(
         &mut self,
         graph: &Graph<D>,
         walls: Option<&Walls<D>>,
         motion: &mut M,
         most_steps: usize,
-        mut judge: impl FnMut(&[usize], f64) -> Judgement,
-    ) -> Result<(), RouteError> {
+        mut judge: impl FnMut(&[usize], f64) -> Judgement<T>,
+    ) -> Result<T, RouteError> {
         self.route.clear();
         self.length = 0.0;
         (self.steps, self.looks) = (0, 0);
@@ -183,13 +186,13 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         found
     }
 
-    fn try_find(
+    fn try_find<T>(
         &mut self,
         (graph, walls): (&Graph<D>, Option<&Walls<D>>),
         motion: &mut M,
         most_steps: usize,
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
-    ) -> Result<(), RouteError> {
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+    ) -> Result<T, RouteError> {
         if graph.channels().is_empty() {
             return Err(RouteError::NoChannels);
         }
@@ -213,45 +216,37 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     }
 
     /// Finds a route by the outline of the motion, and then looks for a shorter one.
-    fn find_from_outline(
+    fn find_from_outline<T>(
         &mut self,
         search: &Search<'_, D>,
         motion: &mut M,
         mut outline: Translating<D>,
         most_steps: usize,
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
-    ) -> Result<(), RouteError> {
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+    ) -> Result<T, RouteError> {
         let mut first = mem::take(&mut self.first).unwrap_or_default();
         let mut length = f64::INFINITY;
         let found =
             first.find_judged(search.graph, None, &mut outline, most_steps, |route, along| {
-                let judgement = judge(route, along);
-                if let Judgement::Length(exact) = judgement {
-                    length = exact;
-                    return Judgement::Length(along);
+                match judge(route, along) {
+                    Judgement::Accepted { length: exact, value } => {
+                        length = exact;
+                        Judgement::Accepted { length: along, value }
+                    }
+                    refused => refused,
                 }
-                judgement
             });
         let effort =
             first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT).min(most_steps);
         let found = match found {
-            Ok(()) => {
-                let mut others = false;
-                let mut judge_other = |route: &[usize], along: f64| {
-                    others = true;
-                    judge(route, along)
-                };
-                let bounds = (length, effort);
-                let shorter = self.find_shortest(search, motion, bounds, &mut judge_other);
+            Ok(value) => {
+                let shorter = self.find_shortest(search, motion, (length, effort), judge);
                 // None is shorter, or it would take too long to tell.
-                if shorter.is_err() {
+                Ok(shorter.unwrap_or_else(|_| {
                     self.route.clone_from(&first.route);
                     self.length = length;
-                    if others {
-                        judge(&self.route, length);
-                    }
-                }
-                Ok(())
+                    value
+                }))
             }
             Err(RouteError::Blocked) => {
                 let shortest = self.find_shortest(search, motion, (f64::INFINITY, effort), judge);
@@ -264,17 +259,17 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     }
 
     /// Finds the shortest route that is shorter than a bound, in no more than so many steps.
-    fn find_shortest(
+    fn find_shortest<T>(
         &mut self,
         search: &Search<'_, D>,
         motion: &mut M,
         bounds: (f64, usize),
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
-    ) -> Result<(), RouteError> {
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+    ) -> Result<T, RouteError> {
         let is_bounded = bounds.0.is_finite();
         for blocked in 0..MOST_BLOCKED {
             match self.search(search, motion, bounds, judge)? {
-                Found::Route => return Ok(()),
+                Found::Route(value) => return Ok(value),
                 Found::Blocked => {}
                 Found::Nothing if blocked == 0 && !is_bounded => {
                     return self.judge_any(search, bounds.1, judge);
@@ -312,29 +307,29 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
 
     /// Says why there is no route. If nothing can be said but that the path can't be made
     /// through junctions that are large enough, the judge is asked about that route.
-    fn judge_any(
+    fn judge_any<T>(
         &mut self,
         search: &Search<'_, D>,
         most_steps: usize,
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
-    ) -> Result<(), RouteError> {
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+    ) -> Result<T, RouteError> {
         self.route = refusal::why_not(search, &self.starts, most_steps)?;
         match judge(&self.route, f64::INFINITY) {
-            Judgement::Length(length) => {
+            Judgement::Accepted { length, value } => {
                 self.length = length;
-                Ok(())
+                Ok(value)
             }
             _ => Err(RouteError::Blocked),
         }
     }
 
-    fn search(
+    fn search<T>(
         &mut self,
         search: &Search<'_, D>,
         motion: &mut M,
         (bound, most_steps): (f64, usize),
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement,
-    ) -> Result<Found, RouteError> {
+        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+    ) -> Result<Found<T>, RouteError> {
         self.labels.clear();
         self.ends.clear();
         self.open.clear();
@@ -343,6 +338,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         for index in 0..self.starts.len() {
             self.start_in(search, motion, self.starts[index]);
         }
+        // The shortest of those that are longer than the search had it.
+        let mut longer: Option<(u32, f64, T)> = None;
         while let Some(entry) = self.open.pop() {
             if entry.estimate >= bound {
                 return Ok(Found::Hopeless);
@@ -350,15 +347,24 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             if entry.slot == NONE {
                 let Ending { length, before, .. } = self.ends[entry.label as usize];
                 self.trace(entry.label);
+                if let Some((.., value)) = longer.take_if(|(end, ..)| *end == entry.label) {
+                    self.length = length;
+                    return Ok(Found::Route(value));
+                }
                 match judge(&self.route, length) {
-                    Judgement::Length(exact) if exact <= length + SAME_LENGTH => {
+                    Judgement::Accepted { length: exact, value }
+                        if exact <= length + SAME_LENGTH =>
+                    {
                         self.length = exact;
-                        return Ok(Found::Route);
+                        return Ok(Found::Route(value));
                     }
                     // Others may be shorter.
-                    Judgement::Length(exact) => {
+                    Judgement::Accepted { length: exact, value } => {
                         self.ends[entry.label as usize].length = exact;
                         self.open.push(Entry { estimate: exact, ..entry });
+                        if longer.as_ref().is_none_or(|(_, least, _)| exact < *least) {
+                            longer = Some((entry.label, exact, value));
+                        }
                     }
                     Judgement::Blocked(junction) => {
                         return Ok(match motion.avoid(&self.labels, before, junction) {

@@ -5,9 +5,14 @@ use crate::motion::Leg;
 
 /// What was found about a route, by following it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Judgement {
-    /// It can be followed; the length of its path, metres.
-    Length(f64),
+pub enum Judgement<T> {
+    /// It can be followed.
+    Accepted {
+        /// The length of its path, metres.
+        length: f64,
+        /// What was made of it: if the route is taken, the search returns it.
+        value: T,
+    },
     /// It can't: what stands in the way is met on the arc about this junction or the
     /// straight line that leads to it; `None`: on the last line, to the goal.
     /// Junctions are counted from 0 in travel order.
@@ -16,7 +21,7 @@ pub enum Judgement {
     Hopeless,
 }
 
-impl Judgement {
+impl<T> Judgement<T> {
     /// What the refusal of a drive says about its route; `legs` are those of the refused path.
     pub fn of_refusal(refusal: &DrivingError, legs: &[Leg<2>]) -> Self {
         let junction_of = |leg: usize| legs.get(leg).and_then(|leg| leg.junction);

@@ -106,7 +106,7 @@ impl Errand {
         let (walls, mut robot) = (Some(&self.walls), self.robot());
         let found = router.find_judged(&graph, walls, &mut robot, MOST, |route, _| {
             match self.length_along(route, &mut path) {
-                Ok(length) => Judgement::Length(length),
+                Ok(length) => Judgement::Accepted { length, value: route.to_vec() },
                 Err(Refused::Drive(error)) => {
                     blocked = true;
                     Judgement::of_refusal(&error, path.legs())
@@ -114,7 +114,11 @@ impl Errand {
                 Err(Refused::Chain) => panic!("{route:?} makes no chain"),
             }
         });
-        (found.map(|()| (router.route().to_vec(), router.length())), blocked)
+        let found = found.map(|accepted| {
+            assert_eq!(router.route(), accepted, "what was made of another route is returned");
+            (accepted, router.length())
+        });
+        (found, blocked)
     }
 
     /// The least length over all ways of up to `most` channels that do not go straight
