@@ -6,7 +6,6 @@
 use crate::free_space::{Chain, Corner};
 use crate::geometry::{AxisBox, HalfSpace, Sign, Vector};
 use crate::motion::{Curve, Leg, Rule};
-use std::mem;
 use table::{Margin, turn_in};
 use thiserror::Error;
 
@@ -132,9 +131,7 @@ impl<const D: usize> Path<D> {
     pub fn reverse(&mut self) {
         self.legs.reverse();
         for leg in &mut self.legs {
-            if let Curve::Line { from, to, .. } = &mut leg.curve {
-                mem::swap(from, to);
-            }
+            leg.curve = leg.curve.reversed().unwrap_or(leg.curve);
         }
     }
 }
@@ -163,11 +160,11 @@ pub fn disassemble<const D: usize>(
         let gap = if centered { None } else { Some(gap) };
         let (to, rule) = target(corner, (&body.min(), &body.max()), gap, &from);
         let (junction, rule) = (Some(index), Some(rule));
-        path.legs.push(Leg { curve: line(from, to), junction, rule });
+        path.legs.push(Leg { curve: Curve::translation(from, to), junction, rule });
         from = to;
     }
     let to = out_of_the_mouth((&body.min(), &body.max()), &mouth, from);
-    path.legs.push(Leg { curve: line(from, to), junction: None, rule: None });
+    path.legs.push(Leg { curve: Curve::translation(from, to), junction: None, rule: None });
     path.length = path.legs.iter().map(|leg| leg.curve.length()).sum();
     Ok(())
 }
@@ -204,10 +201,6 @@ pub(crate) fn target<const D: usize>(
         };
     }
     (to, turn.rule)
-}
-
-fn line<const D: usize>(from: Vector<D>, to: Vector<D>) -> Curve<D> {
-    Curve::Line { from, to, heading: 0.0, turned: 0.0 }
 }
 
 impl Margin {

@@ -17,11 +17,13 @@ mod limits;
 mod profile;
 mod sampler;
 mod sampling;
+mod state;
 #[cfg(test)]
 mod tests;
 mod track;
 
 pub use limits::{LimitError, Limits};
 pub use profile::{Profile, Stops};
-pub use sampler::{Sampler, State};
+pub use sampler::Sampler;
 pub use sampling::{Sampling, SamplingError};
+pub use state::State;

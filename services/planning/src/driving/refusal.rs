@@ -78,7 +78,7 @@ pub(super) fn contact(
         return DrivingError::TurnBlocked {
             leg: index,
             position,
-            heading: wrapped(from_heading + sweep),
+            heading: leg.curve.end_heading(),
             free: wrapped(from_heading + met.along * sweep),
             wall: met.wall,
         };
@@ -104,10 +104,9 @@ pub(super) fn contact(
 
 /// Whether it is the last placement already that touches.
 fn contact_at_goal(drive: &Drive<'_>, legs: &[Leg<2>]) -> Option<DrivingError> {
-    let arrives = || match legs.last()?.curve {
-        Curve::Line { heading, .. } => Some(heading),
-        Curve::Turn { from_heading, sweep, .. } => Some(from_heading + sweep),
-        Curve::Arc { .. } => None,
+    let arrives = || {
+        let curve = legs.last()?.curve;
+        (!matches!(curve, Curve::Arc { .. })).then(|| curve.end_heading())
     };
     let position = drive.goal.position;
     let heading = wrapped(drive.goal.heading.or_else(arrives)?);

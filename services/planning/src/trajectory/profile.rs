@@ -1,11 +1,7 @@
 //! The speed profile over the legs: when the body is where.
 
 use super::limits::Limits;
-use super::sampler::Sampler;
-use super::sampling::{Grid, Sampling};
-use super::track::{end_heading, start_heading};
-use crate::motion::wrapped;
-use crate::motion::{Curve, Leg};
+use crate::motion::{Curve, Leg, wrapped};
 
 /// Below this many metres (radians) a leg has no length (turns by nothing); no
 /// square of anything derived from more can underflow.
@@ -111,29 +107,8 @@ impl Profile {
         (start, self.leg_ends[leg])
     }
 
-    /// How many states [`Profile::samples`] will give; its cost depends on the
-    /// number of legs only, so a caller can refuse too many before making any.
-    pub fn sample_count(&self, sampling: Sampling) -> u64 {
-        if self.leg_ends.is_empty() {
-            return 0;
-        }
-        let grid = Grid::new(sampling, self);
-        // Never more than 2^50 states a measure, so the sum is exact.
-        let between: u64 = self.phases.iter().map(|phase| grid.inside(phase).count()).sum();
-        between + self.phases.len() as u64 + 1
-    }
-
-    /// The states of the motion along `legs`, the ones it was planned for.
-    /// [`Iterator::for_each`] and other folds run a few times faster than a `for` loop.
-    ///
-    /// # Panics
-    /// The iterator may panic when `legs` are not the ones planned.
-    pub fn samples<'a, const D: usize>(
-        &'a self,
-        legs: &'a [Leg<D>],
-        sampling: Sampling,
-    ) -> Sampler<'a, D> {
-        Sampler::new(self, legs, sampling)
+    pub(super) fn leg_count(&self) -> usize {
+        self.leg_ends.len()
     }
 
     pub(super) fn phases(&self) -> &[Phase] {
@@ -252,10 +227,7 @@ impl Bound {
 fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
     let square = |x: f64| x * x;
     let length = curve.length();
-    let angle = match *curve {
-        Curve::Line { turned, .. } => turned.abs(),
-        Curve::Arc { sweep, .. } | Curve::Turn { sweep, .. } => sweep.abs(),
-    };
+    let angle = curve.turned().abs();
     let in_place = length < NOTHING;
     let (length, acceleration, most) = if in_place {
         (angle, limits.yaw_acceleration(), square(limits.yaw_rate()))
@@ -288,7 +260,7 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
 /// and the way that `next` begins.
 fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bool {
     let turns = matches!(*next, Curve::Line { turned, .. } if turned != 0.0);
-    !turns && wrapped(start_heading(next) - end_heading(curve)).abs() <= SAME_HEADING
+    !turns && wrapped(next.start_heading() - curve.end_heading()).abs() <= SAME_HEADING
 }
 
 /// A sum whose rounding errors are summed as well (Neumaier), so that a million

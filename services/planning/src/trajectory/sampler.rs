@@ -2,25 +2,10 @@
 
 use super::profile::{Phase, Profile};
 use super::sampling::{Grid, Sampling, first_multiple};
-use super::track::{Shape, Track, arc_end, end_heading, end_position, start_position};
+use super::state::State;
+use super::track::{Shape, Track};
 use crate::geometry::Vector;
-use crate::motion::Leg;
-
-/// Where the body is at a time, and how it moves. No number is a negative zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State<const D: usize> {
-    /// Since the motion began, seconds.
-    pub time: f64,
-    /// Of the body's reference point, metres.
-    pub position: Vector<D>,
-    /// Counter-clockwise from +x, in (-pi, pi].
-    pub heading: f64,
-    /// Of the reference point, m/s.
-    pub velocity: Vector<D>,
-    /// Rate of turning, rad/s; positive turns left. It steps where a line meets
-    /// an arc: at such an end of a leg it is the following leg's.
-    pub yaw_rate: f64,
-}
+use crate::motion::{Curve, Leg};
 
 /// Iterator over the states of a motion, made by [`Profile::samples`]: the first
 /// and the last state of every leg, and between them those on the grid of the
@@ -64,8 +49,35 @@ struct Law {
     acceleration: f64,
 }
 
+impl Profile {
+    /// How many states [`Profile::samples`] will give; its cost depends on the
+    /// number of legs only, so a caller can refuse too many before making any.
+    pub fn sample_count(&self, sampling: Sampling) -> u64 {
+        if self.leg_count() == 0 {
+            return 0;
+        }
+        let grid = Grid::new(sampling, self);
+        // Never more than 2^50 states a measure, so the sum is exact.
+        let between: u64 = self.phases().iter().map(|phase| grid.inside(phase).count()).sum();
+        between + self.phases().len() as u64 + 1
+    }
+
+    /// The states of the motion along `legs`, the ones it was planned for.
+    /// [`Iterator::for_each`] and other folds run a few times faster than a `for` loop.
+    ///
+    /// # Panics
+    /// The iterator may panic when `legs` are not the ones planned.
+    pub fn samples<'a, const D: usize>(
+        &'a self,
+        legs: &'a [Leg<D>],
+        sampling: Sampling,
+    ) -> Sampler<'a, D> {
+        Sampler::new(self, legs, sampling)
+    }
+}
+
 impl<'a, const D: usize> Sampler<'a, D> {
-    pub(super) fn new(profile: &'a Profile, legs: &'a [Leg<D>], sampling: Sampling) -> Self {
+    fn new(profile: &'a Profile, legs: &'a [Leg<D>], sampling: Sampling) -> Self {
         Self {
             profile,
             legs,
@@ -190,20 +202,19 @@ impl<'a, const D: usize> Sampler<'a, D> {
             None => State {
                 time: profile.duration(),
                 position: Vector::zeros(),
-                heading: self.legs.last().map_or(0.0, |leg| end_heading(&leg.curve)),
+                heading: self.legs.last().map_or(0.0, |leg| leg.curve.end_heading()),
                 velocity: Vector::zeros(),
                 yaw_rate: 0.0,
             },
         };
-        // Legs say where they begin and end; all but arcs, whose neighbours do.
+        // The ends that curves state are exact; those of arcs are taken from their neighbours.
         let stated = match (last, next) {
-            (None, _) => self.legs.first().and_then(|leg| start_position(&leg.curve)),
-            (Some(_), None) => self.legs.last().and_then(|leg| end_position(&leg.curve)),
-            (Some(leg), Some(_)) => end_position(&self.legs[leg].curve)
-                .or_else(|| start_position(&self.legs[leg + 1].curve)),
+            (_, None) => self.legs.last().map(|leg| leg.curve.end()),
+            (None, Some(_)) => self.legs.first().and_then(|leg| stated(&leg.curve, Curve::start)),
+            (Some(leg), Some(_)) => stated(&self.legs[leg].curve, Curve::end)
+                .or_else(|| stated(&self.legs[leg + 1].curve, Curve::start)),
         };
-        let ended = || self.legs.last().and_then(|leg| arc_end(&leg.curve));
-        if let Some(position) = stated.or_else(|| if next.is_none() { ended() } else { None }) {
+        if let Some(position) = stated {
             state.position = position;
         }
         // At rest a negative direction makes negative zeros.
@@ -234,6 +245,14 @@ impl<'a, const D: usize> Sampler<'a, D> {
         self.track = Some(track);
         state
     }
+}
+
+/// An end of a curve, unless it would have to be computed.
+fn stated<const D: usize>(
+    curve: &Curve<D>,
+    end: impl Fn(&Curve<D>) -> Vector<D>,
+) -> Option<Vector<D>> {
+    (!matches!(curve, Curve::Arc { .. })).then(|| end(curve))
 }
 
 impl Law {

@@ -1,10 +1,8 @@
 //! What any trajectory promises, over random chains of legs.
 
-use super::track::{end_heading, start_heading};
 use super::*;
 use crate::geometry::Vector;
-use crate::motion::wrapped;
-use crate::motion::{Curve, Leg};
+use crate::motion::{Curve, Leg, wrapped};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -173,8 +171,8 @@ fn check_states<const D: usize>(
             assert_eq!((before.position, after.position), (from, to));
         }
         if start < end {
-            assert_eq!(before.heading, start_heading(curve));
-            assert!(wrapped(after.heading - end_heading(curve)).abs() < 1e-9);
+            assert_eq!(before.heading, curve.start_heading());
+            assert!(wrapped(after.heading - curve.end_heading()).abs() < 1e-9);
         }
     }
     states

@@ -1,9 +1,8 @@
 //! Where on a leg the body is, and how it is turned there.
 
-use super::sampler::State;
-use crate::geometry::Vector;
+use super::state::State;
+use crate::geometry::{Sign, Vector};
 use crate::motion::{Curve, Leg, wrapped};
-use std::f64::consts::FRAC_PI_2;
 
 /// Angle between the places of an arc where sine and cosine are computed, radians.
 const NODE_SPACING: f64 = 0.5;
@@ -54,7 +53,7 @@ struct Arc {
 impl<const D: usize> Track<D> {
     /// The leg's track; `length` is metres, or radians when it turns `in_place`.
     pub(super) fn new(leg: &Leg<D>, length: f64, in_place: bool) -> Self {
-        let heading = start_heading(&leg.curve);
+        let heading = leg.curve.start_heading();
         let none = Vector::zeros();
         match leg.curve {
             Curve::Line { from, turned, .. } if in_place => {
@@ -239,56 +238,9 @@ fn direction<const D: usize>(
     displacement / length
 }
 
+/// +1.0 for a left turn, -1.0 for a right turn.
 fn sense(angle: f64) -> f64 {
-    if angle < 0.0 { -1.0 } else { 1.0 }
-}
-
-/// Heading where a leg begins, in (-pi, pi].
-pub(super) fn start_heading<const D: usize>(curve: &Curve<D>) -> f64 {
-    match *curve {
-        Curve::Line { heading, turned, .. } => wrapped(heading - turned),
-        Curve::Arc { start_angle, sweep, .. } => wrapped(start_angle + sense(sweep) * FRAC_PI_2),
-        Curve::Turn { from_heading, .. } => wrapped(from_heading),
-    }
-}
-
-/// Heading where a leg ends, in (-pi, pi].
-pub(super) fn end_heading<const D: usize>(curve: &Curve<D>) -> f64 {
-    match *curve {
-        Curve::Line { heading, .. } => wrapped(heading),
-        Curve::Arc { start_angle, sweep, .. } => {
-            wrapped(start_angle + sense(sweep) * FRAC_PI_2 + sweep)
-        }
-        Curve::Turn { from_heading, sweep, .. } => wrapped(from_heading + sweep),
-    }
-}
-
-/// Where a leg begins, if it says so itself: arcs don't.
-pub(super) fn start_position<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
-    match *curve {
-        Curve::Line { from, .. } => Some(from),
-        Curve::Turn { position, .. } => Some(position),
-        Curve::Arc { .. } => None,
-    }
-}
-
-/// Where a leg ends, if it says so itself: arcs don't.
-pub(super) fn end_position<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
-    match *curve {
-        Curve::Line { to, .. } => Some(to),
-        Curve::Turn { position, .. } => Some(position),
-        Curve::Arc { .. } => None,
-    }
-}
-
-/// Where an arc ends, from its centre and angles.
-pub(super) fn arc_end<const D: usize>(curve: &Curve<D>) -> Option<Vector<D>> {
-    let Curve::Arc { center, radius, start_angle, sweep } = *curve else { return None };
-    let (sin, cos) = libm::sincos(start_angle + sweep);
-    let mut end = center;
-    end[0] += radius * cos;
-    end[1] += radius * sin;
-    Some(end)
+    Sign::of(angle).factor()
 }
 
 #[cfg(test)]
@@ -296,21 +248,6 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use std::f64::consts::{PI, TAU};
-
-    #[test]
-    fn headings_are_in_the_half_open_turn() {
-        let check = |angle: f64, expected: f64| {
-            assert_eq!(wrapped(angle).to_bits(), expected.to_bits(), "{angle}");
-        };
-        check(0.0, 0.0);
-        check(-0.0, 0.0);
-        check(PI, PI);
-        check(-PI, PI);
-        check(1.5 * PI, -0.5 * PI);
-        check(-1.5 * PI, 0.5 * PI);
-        check(TAU, 0.0);
-        check(-TAU, 0.0);
-    }
 
     #[test]
     fn line_too_short_for_its_coordinates_goes_where_it_heads() {
@@ -329,15 +266,6 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn wrapped_is_the_same_angle(angle in -1e4..1e4_f64) {
-            let wrapped = wrapped(angle);
-            prop_assert!(-PI < wrapped && wrapped <= PI);
-            // 1e4 rad are 1592 turns, each with TAU's rounding, 2.5e-16.
-            prop_assert!((libm::sin(wrapped) - libm::sin(angle)).abs() < 2e-12);
-            prop_assert!((libm::cos(wrapped) - libm::cos(angle)).abs() < 2e-12);
-        }
-
         /// Two roundings of `libm`, two of products and two of sums, each half a
         /// unit in the last place of 1, here and one in the reference: 5e-16.
         #[test]
