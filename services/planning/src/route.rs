@@ -12,6 +12,7 @@ mod driving;
 mod error;
 mod judgement;
 mod label;
+mod mover;
 mod refusal;
 mod search;
 mod translating;
@@ -24,9 +25,10 @@ pub use driving::Driving;
 pub use error::RouteError;
 pub use judgement::Judgement;
 pub use label::Label;
+pub use mover::Motion;
 pub use search::Search;
 pub use translating::Translating;
-pub use traveller::{Motion, Traveller};
+pub use traveller::Traveller;
 
 use label::{Ending, Entry, NONE};
 use search::farthest;
@@ -206,8 +208,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         search.check_goal()?;
         self.onwards.clear();
         self.onwards.resize(graph.slot_count(), UNKNOWN);
-        if let Some(outline) = motion.outline() {
-            return self.find_from_outline(&search, motion, outline, most_steps, judge);
+        if let Some(margin) = motion.outline() {
+            return self.find_from_outline(&search, motion, margin, most_steps, judge);
         }
         if !self.is_connected(&search) {
             return self.judge_any(&search, most_steps, judge);
@@ -220,11 +222,12 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         &mut self,
         search: &Search<'_, D>,
         motion: &mut M,
-        mut outline: Translating<D>,
+        margin: f64,
         most_steps: usize,
         judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
     ) -> Result<T, RouteError> {
         let mut first = mem::take(&mut self.first).unwrap_or_default();
+        let mut outline = Translating::with_margin(search.traveller, margin);
         let mut length = f64::INFINITY;
         let found =
             first.find_judged(search.graph, None, &mut outline, most_steps, |route, along| {

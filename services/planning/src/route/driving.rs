@@ -1,8 +1,8 @@
 //! A robot that turns about corners on guiding circles.
 
 use super::label::{Label, NONE};
-use super::traveller::{Motion, Step, Traveller};
-use super::{SAME_LENGTH, Search, Translating};
+use super::mover::{Motion, Step};
+use super::{SAME_LENGTH, Search, Traveller};
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::walls::Walls;
@@ -244,8 +244,8 @@ impl Motion<2> for Driving {
 
     /// By straight lines from point to point, where the bisector of each corner cuts its
     /// guiding circle: the middle of the arc of a full quarter turn.
-    fn outline(&self) -> Option<Translating<2>> {
-        Some(Translating::with_margin(self.traveller, self.radius * FRAC_1_SQRT_2))
+    fn outline(&self) -> Option<f64> {
+        Some(self.radius * FRAC_1_SQRT_2)
     }
 
     fn enter(

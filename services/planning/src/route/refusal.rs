@@ -3,35 +3,6 @@
 use super::widest::{Change, Space, Unknown, extent};
 use super::{RouteError, Search};
 use crate::free_space::{Chain, ChainError};
-use crate::geometry::{AxisBox, Vector};
-
-/// The channel that the box from `min` to `max` is least outside of: the channel,
-/// the axis along which it is farthest outside, and the coordinates of its side
-/// and the channel's there.
-pub(super) fn nearest<const D: usize>(
-    channels: &[AxisBox<D>],
-    min: &Vector<D>,
-    max: &Vector<D>,
-) -> (usize, usize, f64, f64) {
-    let mut best = (f64::INFINITY, (0, 0, min[0], min[0]));
-    for (index, channel) in channels.iter().enumerate() {
-        let mut worst = (f64::NEG_INFINITY, (index, 0, min[0], min[0]));
-        for axis in 0..D {
-            let (low, high) = (channel.min()[axis], channel.max()[axis]);
-            for (outside, side, end) in
-                [(low - min[axis], min[axis], low), (max[axis] - high, max[axis], high)]
-            {
-                if outside > worst.0 {
-                    worst = (outside, (index, axis, side, end));
-                }
-            }
-        }
-        if worst.0 < best.0 {
-            best = worst;
-        }
-    }
-    best.1
-}
 
 /// Of all ways over channels the one whose worst junction lacks least, and what would
 /// have to change there. `Ok`: nothing, and these channels make a chain.

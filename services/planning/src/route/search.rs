@@ -1,7 +1,7 @@
 //! What is looked for: junctions that a traveller passes, from where it is to the end.
 
 use super::label::number;
-use super::{RouteError, SIGNS, Traveller, refusal};
+use super::{RouteError, SIGNS, Traveller};
 use crate::free_space::graph::Graph;
 use crate::free_space::walls::Walls;
 use crate::free_space::{End, mouth_of};
@@ -41,7 +41,7 @@ impl<const D: usize> Search<'_, D> {
         });
         starts.sort_unstable();
         if starts.is_empty() {
-            let (channel, axis, body, end) = refusal::nearest(channels, least, greatest);
+            let (channel, axis, body, end) = nearest(channels, least, greatest);
             return Err(RouteError::StartOutside { channel, axis, body, end });
         }
         Ok(())
@@ -56,7 +56,7 @@ impl<const D: usize> Search<'_, D> {
             -1.0
         });
         if !found {
-            let (channel, axis, goal, end) = refusal::nearest(channels, &goal, &goal);
+            let (channel, axis, goal, end) = nearest(channels, &goal, &goal);
             return Err(RouteError::GoalOutside { channel, axis, goal, end });
         }
         Ok(())
@@ -109,4 +109,32 @@ pub(super) fn lies_towards<const D: usize>(
     let (min, max) =
         (one.min()[axis].max(other.min()[axis]), one.max()[axis].min(other.max()[axis]));
     Sign::of((min + max) / 2.0 - center[axis]) == sign
+}
+
+/// The channel that the box from `min` to `max` is least outside of: the channel,
+/// the axis along which it is farthest outside, and the coordinates of its side
+/// and the channel's there.
+fn nearest<const D: usize>(
+    channels: &[AxisBox<D>],
+    min: &Vector<D>,
+    max: &Vector<D>,
+) -> (usize, usize, f64, f64) {
+    let mut best = (f64::INFINITY, (0, 0, min[0], min[0]));
+    for (index, channel) in channels.iter().enumerate() {
+        let mut worst = (f64::NEG_INFINITY, (index, 0, min[0], min[0]));
+        for axis in 0..D {
+            let (low, high) = (channel.min()[axis], channel.max()[axis]);
+            for (outside, side, end) in
+                [(low - min[axis], min[axis], low), (max[axis] - high, max[axis], high)]
+            {
+                if outside > worst.0 {
+                    worst = (outside, (index, axis, side, end));
+                }
+            }
+        }
+        if worst.0 < best.0 {
+            best = worst;
+        }
+    }
+    best.1
 }

@@ -1,7 +1,8 @@
 //! A body that moves by the rules of table 1.
 
 use super::label::Label;
-use super::traveller::{Motion, Step, Traveller};
+use super::mover::{Motion, Step};
+use super::traveller::Traveller;
 use super::{RouteError, Search};
 use crate::disassembly::{Gap, out_of_the_mouth, target};
 use crate::free_space::{Corner, End};

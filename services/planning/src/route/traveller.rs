@@ -1,10 +1,7 @@
-//! Who looks for a route, and how it moves.
+//! Who looks for a route.
 
-use super::label::Label;
-use super::{Search, Translating};
-use crate::free_space::{Corner, End};
+use crate::free_space::End;
 use crate::geometry::{AxisBox, Vector};
-use std::fmt;
 
 /// Something that is to find its way: where it is, where it is to go, and the room
 /// it needs in a junction.
@@ -46,68 +43,5 @@ impl<const D: usize> Traveller<D> {
     /// The gap asked for along an axis; 0 where it depends on the junction.
     pub(super) fn gap_along(&self, axis: usize) -> f64 {
         self.gap[axis]
-    }
-}
-
-/// A step of the search: where it leads.
-#[derive(Debug, Clone, Copy)]
-pub struct Step<S> {
-    pub(super) state: S,
-    /// Length of the whole way there, metres.
-    pub(super) length: f64,
-    /// No way that begins so and leads to the end is shorter, metres.
-    pub(super) estimate: f64,
-}
-
-/// How a traveller moves from junction to junction.
-pub trait Motion<const D: usize> {
-    /// Where the traveller is after a step.
-    type State: Copy + fmt::Debug;
-
-    /// Who moves.
-    fn traveller(&self) -> &Traveller<D>;
-
-    /// A motion much like this one by which a route is found quickly.
-    fn outline(&self) -> Option<Translating<D>> {
-        None
-    }
-
-    /// The steps from a label (`NONE`: from the start) into a junction, as far as they
-    /// can be part of a shortest way.
-    fn enter(
-        &self,
-        search: &Search<'_, D>,
-        labels: &[Label<Self::State>],
-        from: u32,
-        corner: &Corner<D>,
-    ) -> [Option<Step<Self::State>>; 2];
-
-    /// The length of the whole way if the last step is from this label, out of the last
-    /// channel or to the goal, metres.
-    fn finish(
-        &self,
-        search: &Search<'_, D>,
-        labels: &[Label<Self::State>],
-        from: u32,
-    ) -> Option<f64>;
-
-    /// Compares a new label with those of the same slot, which begin with its `next`: marks
-    /// what is useless beside it; whether it is of use itself. Counts the labels looked at.
-    fn compare(
-        &self,
-        labels: &mut [Label<Self::State>],
-        new: &Label<Self::State>,
-        looks: &mut usize,
-    ) -> bool;
-
-    /// Rules out what blocks a route that ends with the label `last` (see
-    /// [`super::Judgement::Blocked`]); false if there is nothing to rule out.
-    fn avoid(
-        &mut self,
-        _labels: &[Label<Self::State>],
-        _last: u32,
-        _junction: Option<usize>,
-    ) -> bool {
-        false
     }
 }

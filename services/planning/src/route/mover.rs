@@ -1,0 +1,71 @@
+//! How a traveller moves from junction to junction.
+
+use super::label::Label;
+use super::search::Search;
+use super::traveller::Traveller;
+use crate::free_space::Corner;
+use std::fmt;
+
+/// A step of the search: where it leads.
+#[derive(Debug, Clone, Copy)]
+pub struct Step<S> {
+    pub(super) state: S,
+    /// Length of the whole way there, metres.
+    pub(super) length: f64,
+    /// No way that begins so and leads to the end is shorter, metres.
+    pub(super) estimate: f64,
+}
+
+/// How a traveller moves from junction to junction.
+pub trait Motion<const D: usize> {
+    /// Where the traveller is after a step.
+    type State: Copy + fmt::Debug;
+
+    /// Who moves.
+    fn traveller(&self) -> &Traveller<D>;
+
+    /// If straight lines from junction to junction are much like this motion, so that a
+    /// route is found quickly by them: how far they pass from the corners, metres.
+    fn outline(&self) -> Option<f64> {
+        None
+    }
+
+    /// The steps from a label (`NONE`: from the start) into a junction, as far as they
+    /// can be part of a shortest way.
+    fn enter(
+        &self,
+        search: &Search<'_, D>,
+        labels: &[Label<Self::State>],
+        from: u32,
+        corner: &Corner<D>,
+    ) -> [Option<Step<Self::State>>; 2];
+
+    /// The length of the whole way if the last step is from this label, out of the last
+    /// channel or to the goal, metres.
+    fn finish(
+        &self,
+        search: &Search<'_, D>,
+        labels: &[Label<Self::State>],
+        from: u32,
+    ) -> Option<f64>;
+
+    /// Compares a new label with those of the same slot, which begin with its `next`: marks
+    /// what is useless beside it; whether it is of use itself. Counts the labels looked at.
+    fn compare(
+        &self,
+        labels: &mut [Label<Self::State>],
+        new: &Label<Self::State>,
+        looks: &mut usize,
+    ) -> bool;
+
+    /// Rules out what blocks a route that ends with the label `last` (see
+    /// [`super::Judgement::Blocked`]); false if there is nothing to rule out.
+    fn avoid(
+        &mut self,
+        _labels: &[Label<Self::State>],
+        _last: u32,
+        _junction: Option<usize>,
+    ) -> bool {
+        false
+    }
+}
