@@ -1,5 +1,8 @@
 //! The rules of the house: who knows whom, and what no file is or holds.
 
+mod code;
+mod modules;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
