@@ -53,7 +53,9 @@ fn dependencies_run_one_way() {
         // Shows what the other tools do, by their libraries.
         ("demo", [&SERVICES[..], &TOOLS].concat()),
         // Makes what the others' tests compare with.
-        ("bless", [&SERVICES[..], &TOOLS, &["integration-tests"]].concat()),
+        ("bless", [&SERVICES[..], &TOOLS, &["fuzz-targets", "integration-tests"]].concat()),
+        // Reads what others wrote, by the libraries that read it.
+        ("fuzz-targets", vec!["schemas", "answer", "recording", "plan"]),
         // Tests know everything.
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
     ]

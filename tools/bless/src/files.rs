@@ -1,6 +1,7 @@
 //! The generated files that are text, and what generates each.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 use integration_tests::{root, scene};
@@ -45,12 +46,7 @@ pub(crate) const FILES: &[File] = &[
 impl File {
     /// The file as it should be, if it is not so already.
     pub(crate) fn renewed(&self) -> Result<Option<String>, Error> {
-        let path = root().join(self.path);
-        let present = match fs::read_to_string(&path) {
-            Ok(text) => Some(text),
-            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => None,
-            Err(cause) => return Err(Error::Read { path, cause }),
-        };
+        let present = read(self.path)?.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         let wanted = match &self.content {
             Content::Whole(make) => make(),
             Content::Block { name, make } => {
@@ -83,6 +79,16 @@ fn replace_block(text: &str, name: &str, block: &str) -> Option<String> {
     let from = text.find(&begin)? + begin.len();
     let to = from + text[from..].find(&end)?;
     Some(format!("{}\n{}\n\n{}", &text[..from], block.trim_end(), &text[to..]))
+}
+
+/// A file of the repository, if it exists.
+pub(crate) fn read(path: &str) -> Result<Option<Vec<u8>>, Error> {
+    let path = root().join(path);
+    match fs::read(&path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(None),
+        Err(cause) => Err(Error::Read { path, cause }),
+    }
 }
 
 /// Writes a file of the repository, and the folder that it lies in.

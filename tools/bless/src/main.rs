@@ -1,5 +1,6 @@
 //! The `bless` command; see `bless --help`.
 
+mod corpora;
 mod figures;
 mod files;
 mod recordings;
@@ -69,8 +70,11 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let known: Vec<&str> =
-        FILES.iter().map(|file| file.path).chain(RECORDINGS.iter().map(|r| r.path)).collect();
+    let seeds = corpora::seeds();
+    let known: Vec<&str> = (FILES.iter().map(|file| file.path))
+        .chain(RECORDINGS.iter().map(|recording| recording.path))
+        .chain(seeds.iter().map(|(path, _)| path.as_str()))
+        .collect();
     for path in &arguments.only {
         if !known.iter().any(|known| path == Path::new(known)) {
             let known = known.iter().map(|path| (*path).to_owned()).collect();
@@ -89,6 +93,18 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         } else {
             files::write(file.path, text.as_bytes())?;
             println!("{} written", file.path);
+        }
+    }
+    for (path, bytes) in seeds.iter().filter(|(path, _)| wanted(path)) {
+        if files::read(path)?.as_ref() == Some(bytes) {
+            continue;
+        }
+        stale += 1;
+        if arguments.check {
+            println!("{path} is out of date");
+        } else {
+            files::write(path, bytes)?;
+            println!("{path} written");
         }
     }
     for recording in RECORDINGS.iter().filter(|recording| wanted(recording.path)) {
