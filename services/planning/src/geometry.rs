@@ -148,6 +148,7 @@ impl Direction {
 pub mod box_tree;
 pub mod distance;
 mod half_space;
+pub(crate) mod orientation;
 pub mod polygon;
 #[cfg(test)]
 pub(crate) mod work;

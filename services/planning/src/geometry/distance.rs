@@ -1,6 +1,7 @@
 //! Exact distances between pairs of shapes, in the manner of parry's queries.
 
-use crate::geometry::Vector;
+use super::Vector;
+use super::orientation::{determinant, segments_cross};
 
 /// Where a point that runs along a segment comes closest to a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,25 +107,6 @@ pub fn distance_segment_segment(
     nearer(nearer(ends[0], ends[1]), nearer(ends[2], ends[3]))
 }
 
-/// Whether two closed segments have a point in common.
-pub(crate) fn segments_meet(
-    (a, b): (&Vector<2>, &Vector<2>),
-    (c, d): (&Vector<2>, &Vector<2>),
-) -> bool {
-    let (ab, cd) = (b - a, d - c);
-    let (c_side, d_side) = (cross(&ab, &(c - a)), cross(&ab, &(d - a)));
-    let (a_side, b_side) = (cross(&cd, &(a - c)), cross(&cd, &(b - c)));
-    let between = |p: &Vector<2>, a: &Vector<2>, b: &Vector<2>| {
-        (0..2).all(|axis| a[axis].min(b[axis]) <= p[axis] && p[axis] <= a[axis].max(b[axis]))
-    };
-    let apart = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
-    (apart(c_side, d_side) && apart(a_side, b_side))
-        || (c_side == 0.0 && between(c, a, b))
-        || (d_side == 0.0 && between(d, a, b))
-        || (a_side == 0.0 && between(a, c, d))
-        || (b_side == 0.0 && between(b, c, d))
-}
-
 /// The third component of the cross product.
 pub(crate) fn cross(a: &Vector<2>, b: &Vector<2>) -> f64 {
     a[0] * b[1] - a[1] * b[0]
@@ -137,11 +119,16 @@ fn excess(value: f64, min: f64, max: f64) -> f64 {
 
 /// Where on the first segment the interiors of two segments cross.
 fn crossing((from, to): (&Vector<2>, &Vector<2>), (a, b): (&Vector<2>, &Vector<2>)) -> Option<f64> {
-    let (way, wall) = (to - from, b - a);
-    let (before, after) = (cross(&wall, &(from - a)), cross(&wall, &(to - a)));
-    let (left, right) = (cross(&way, &(a - from)), cross(&way, &(b - from)));
-    let apart = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
-    (apart(before, after) && apart(left, right)).then(|| before / (before - after))
+    if !segments_cross((from, to), (a, b)) {
+        return None;
+    }
+    let wall = b - a;
+    let (mut before, mut after) = (cross(&wall, &(from - a)), cross(&wall, &(to - a)));
+    if before * after >= 0.0 {
+        // Too close to parallel for plain products.
+        (before, after) = (determinant(a, b, from), determinant(a, b, to));
+    }
+    Some(before / (before - after))
 }
 
 /// The place on the segment from `a` to `b` nearest to `point`, from 0 to 1.

@@ -1,8 +1,8 @@
 //! Simple polygons.
 
 use super::box_tree::BoxTree;
+use super::orientation::{Side, segments_meet, side_of_line};
 use super::{AxisBox, Vector};
-use crate::geometry::distance::{cross, segments_meet};
 use thiserror::Error;
 
 /// Below this many edges every pair is looked at, without an index.
@@ -145,7 +145,7 @@ pub(crate) fn contains(
     let mut inside = false;
     for (a, b) in edges {
         if (a[1] > point[1]) != (b[1] > point[1]) {
-            let left = cross(&(b - a), &(point - a)) > 0.0;
+            let left = side_of_line(&a, &b, point) == Side::Left;
             inside ^= left == (b[1] > a[1]);
         }
     }
@@ -240,8 +240,8 @@ fn check_pair(vertices: &[Vector<2>], first: usize, second: usize) -> Result<(),
     // Neighbours share one vertex; their other ends must not lie on each other.
     let crossing = if j == k || l == i {
         let (before, shared, after) = if j == k { (a, b, d) } else { (c, a, b) };
-        let (back, on) = (before - shared, after - shared);
-        cross(&back, &on) == 0.0 && back.dot(&on) > 0.0
+        side_of_line(&shared, &before, &after) == Side::On
+            && (before - shared).dot(&(after - shared)) > 0.0
     } else {
         segments_meet((&a, &b), (&c, &d))
     };

@@ -1,7 +1,7 @@
 //! Polygons cut into boxes.
 
 use super::SolidsError;
-use crate::geometry::distance::cross;
+use crate::geometry::orientation::{Side, side_of_line};
 use crate::geometry::polygon::edges;
 use crate::geometry::{AxisBox, Vector};
 use std::collections::BTreeMap;
@@ -129,10 +129,9 @@ fn stairs(vertices: &[Vector<2>], tolerance: f64) -> Vec<Vector<2>> {
     // At an extreme vertex the polygon turns as it does as a whole.
     let extreme = (0..count).min_by(less).unwrap_or(0);
     let (before, after) = ((extreme + count - 1) % count, (extreme + 1) % count);
-    let turn =
-        cross(&(vertices[extreme] - vertices[before]), &(vertices[after] - vertices[extreme]));
+    let turn = side_of_line(&vertices[before], &vertices[extreme], &vertices[after]);
     let mut outline = Vec::with_capacity(count);
-    let forwards = turn > 0.0;
+    let forwards = turn == Side::Left;
     for index in 0..count {
         let (i, j) = if forwards {
             (index, (index + 1) % count)
@@ -169,7 +168,7 @@ fn push_stairs(a: &Vector<2>, b: &Vector<2>, tolerance: f64, outline: &mut Vec<V
             continue;
         }
         let corner = Vector::<2>::new(to[0], from[1]);
-        let to_the_right = cross(&(to - from), &(corner - from)) < 0.0;
+        let to_the_right = side_of_line(&from, &to, &corner) == Side::Right;
         outline.push(if to_the_right { corner } else { Vector::<2>::new(from[0], to[1]) });
         if to != *b {
             outline.push(to);

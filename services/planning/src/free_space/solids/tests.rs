@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::distance::segments_meet;
+use crate::geometry::orientation::segments_meet;
 use crate::geometry::polygon::edges;
 use proptest::prelude::*;
 

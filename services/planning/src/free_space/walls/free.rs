@@ -1,7 +1,7 @@
 //! Whether a wall leaves a box free.
 
 use super::{Wall, planar};
-use crate::geometry::distance::cross;
+use crate::geometry::orientation::{Side, side_of_line};
 use crate::geometry::{AxisBox, Vector};
 
 /// Whether the wall has a point in the interior of `space`, farther inside than rounding.
@@ -23,8 +23,8 @@ pub(super) fn passes_through<const D: usize>(wall: &Wall<D>, space: &AxisBox<D>)
 /// Whether the line through `from` and `to` has corners of the box on both sides.
 fn is_cut((from, to): (&Vector<2>, &Vector<2>), (min, max): (&Vector<2>, &Vector<2>)) -> bool {
     let corners = [*min, Vector::from([max[0], min[1]]), *max, Vector::from([min[0], max[1]])];
-    let sides = corners.map(|corner| cross(&(to - from), &(corner - from)));
-    sides.iter().any(|side| *side < 0.0) && sides.iter().any(|side| *side > 0.0)
+    let sides = corners.map(|corner| side_of_line(from, to, &corner));
+    sides.contains(&Side::Left) && sides.contains(&Side::Right)
 }
 
 #[cfg(test)]

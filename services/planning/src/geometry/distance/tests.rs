@@ -66,14 +66,6 @@ fn segments() {
     check_segment([[0., 0.], [0., 0.]], [[3., 4.], [3., 4.]], 5.0, 0.0, [3., 4.]);
 }
 
-#[test]
-fn meeting_segments_include_touching_ones() {
-    let meet =
-        |a: [f64; 2], b: [f64; 2]| segments_meet((&v([0., 0.]), &v([4., 0.])), (&v(a), &v(b)));
-    assert!(meet([1., -1.], [1., 1.]) && meet([1., 0.], [1., 1.]) && meet([3., 0.], [9., 0.]));
-    assert!(!meet([1., 1.], [1., 2.]) && !meet([5., 0.], [9., 0.]) && !meet([5., -1.], [5., 1.]));
-}
-
 /// Least distance by dense sampling, and the bound on its error.
 fn sampled<const D: usize>(
     (from, to): (&Vector<D>, &Vector<D>),

@@ -1,5 +1,6 @@
 //! Directions between two others.
 
+use crate::geometry::orientation::{Side, side_of_direction};
 use crate::geometry::{Sign, Vector, unrotated};
 
 /// Directions that are farther out by no more count as within (sine of the angle).
@@ -35,8 +36,8 @@ impl Cone {
     pub(super) fn around<'a>(directions: impl Iterator<Item = &'a Vector<2>>) -> Self {
         let cones = directions.map(|direction| Self { low: *direction, high: *direction });
         let wider = |a: Self, b: Self| Self {
-            low: if cross(&a.low, &b.low) < 0.0 { b.low } else { a.low },
-            high: if cross(&a.high, &b.high) > 0.0 { b.high } else { a.high },
+            low: if side_of_direction(&a.low, &b.low) == Side::Right { b.low } else { a.low },
+            high: if side_of_direction(&a.high, &b.high) == Side::Left { b.high } else { a.high },
         };
         cones.reduce(wider).unwrap_or(Self::ALL)
     }
@@ -60,6 +61,6 @@ impl Cone {
         let sooner = |a: &Self, b: &Self| a.holds(&b.high).then_some(b.high);
         let low = later(self, other).or_else(|| later(other, self))?;
         let high = sooner(self, other).or_else(|| sooner(other, self))?;
-        (cross(&low, &high) >= 0.0).then_some(Self { low, high })
+        (side_of_direction(&low, &high) != Side::Right).then_some(Self { low, high })
     }
 }
