@@ -9,6 +9,10 @@ use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 
+#[path = "../src/section_4.rs"]
+mod section_4;
+use section_4::{CHANNELS, FEMALE, MALE};
+
 fn main() {
     divan::main();
 }
@@ -26,19 +30,14 @@ fn space(min: [f64; 2], max: [f64; 2]) -> AxisBox<2> {
 /// Section 4 of the paper.
 fn section_4() -> Scene {
     Scene {
-        channels: vec![
-            space([4., 1.], [7., 6.]),
-            space([1., 2.], [7., 6.]),
-            space([1., 2.], [5., 7.]),
-        ],
-        body: space([4.5, 1.01], [6.99, 4.]),
+        channels: CHANNELS.map(|[min, max]| space(min, max)).to_vec(),
+        body: space(MALE[0], MALE[1]),
         exit: Direction { axis: 1, sign: Sign::Positive },
     }
 }
 
 fn female() -> Polygon {
-    let vertices = include!("section_4_female.in");
-    Polygon::new(vertices.map(Vector::from).to_vec()).expect("a polygon")
+    Polygon::new(FEMALE.map(Vector::from).to_vec()).expect("a polygon")
 }
 
 /// Stairs of `count` channels, up and to the right by turns.

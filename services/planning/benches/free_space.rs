@@ -14,6 +14,10 @@ use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::route::{self, Judgement, Motion, Router, Translating};
 
+#[path = "../src/section_4.rs"]
+mod section_4;
+use section_4::{CHANNELS, FEMALE, MALE};
+
 fn main() {
     divan::main();
 }
@@ -90,9 +94,7 @@ fn comb(count: usize) -> Vec<Vector<2>> {
 
 #[divan::bench]
 fn section_4(bencher: Bencher<'_, '_>) {
-    let channels =
-        [space([1., 2.], [5., 7.]), space([1., 2.], [7., 6.]), space([4., 1.], [7., 6.])];
-    let male = space([4.5, 1.01], [6.99, 4.0]);
+    let (channels, male) = (CHANNELS.map(|[min, max]| space(min, max)), space(MALE[0], MALE[1]));
     let (mut graph, mut router) = (Graph::default(), Router::default());
     bencher.bench_local(|| {
         graph.build(black_box(&channels), 100).expect("a graph");
@@ -395,9 +397,8 @@ fn drive_from_pillars(bencher: Bencher<'_, '_>, side: usize) {
 
 #[divan::bench]
 fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
-    let female: [[f64; 2]; 12] = include!("section_4_female.in");
-    let female = Polygon::new(female.map(Vector::from).to_vec()).expect("a polygon");
-    let male = space([4.5, 1.01], [6.99, 4.0]);
+    let female = Polygon::new(FEMALE.map(Vector::from).to_vec()).expect("a polygon");
+    let male = space(MALE[0], MALE[1]);
     let (mut planner, mut router) = (Planner::default(), Router::default());
     let (mut path, gap) = (disassembly::Path::default(), Gap::Uniform(0.2));
     bencher.bench_local(|| {

@@ -26,7 +26,7 @@ pub(crate) mod tangent;
 mod taut;
 
 pub use error::DrivingError;
-pub use safest::{TradeOff, curve, safest};
+pub use safest::safest;
 
 use rules::TurnRule;
 use taut::Knot;

@@ -18,4 +18,6 @@ pub mod free_space;
 pub mod geometry;
 pub mod motion;
 pub mod route;
+#[cfg(test)]
+pub(crate) mod section_4;
 pub mod trajectory;

@@ -3,6 +3,7 @@ use crate::free_space::End;
 use crate::free_space::random::{Scene, scenes};
 use crate::geometry::Direction;
 use crate::motion::Rule;
+use crate::section_4::{CHANNELS, MALE};
 use proptest::prelude::*;
 
 mod optimum;
@@ -16,12 +17,8 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
 /// Section 4 of the paper.
 fn section_4() -> Scene<2> {
     Scene {
-        channels: vec![
-            space([4., 1.], [7., 6.]),
-            space([1., 2.], [7., 6.]),
-            space([1., 2.], [5., 7.]),
-        ],
-        body: space([4.5, 1.01], [6.99, 4.]),
+        channels: CHANNELS.map(|[min, max]| space(min, max)).to_vec(),
+        body: space(MALE[0], MALE[1]),
         exit: PLUS_Z,
     }
 }

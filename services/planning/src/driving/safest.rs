@@ -1,20 +1,7 @@
-//! The gap that keeps the robot farthest from everything, and what it costs.
+//! The gap with the greatest clearance.
 
 use super::limits::{balanced_gap, least_width};
 use super::{Drive, DrivingError, Gaps, Path, drive};
-
-/// One point of the trade-off between a short way and a safe one. Metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TradeOff {
-    /// The gap at every corner.
-    pub gap: f64,
-    /// Length of the way.
-    pub length: f64,
-    /// Clearance over the whole motion; infinite without walls.
-    pub clearance: f64,
-    /// Clearance from the first arriving to the last leaving point.
-    pub turning: f64,
-}
 
 /// The safest gap is found to this, metres, where it has no closed form.
 const PRECISION: f64 = 1e-10;
@@ -121,41 +108,4 @@ fn maximise(
         }
     }
     Ok(best.0)
-}
-
-/// The trade-off between length and clearance at `count` gaps, evenly spaced up
-/// to the safest: the k-th of n is k / n of it, so the shortest way is that of the
-/// n-th part. (There is no shortest of all: a gap must be positive.) `points` is
-/// refilled; a gap that is refused does not lose the others. `path` is left with
-/// the safest way.
-pub fn curve(
-    task: &Drive<'_>,
-    count: usize,
-    path: &mut Path,
-    points: &mut Vec<Result<TradeOff, DrivingError>>,
-) -> Result<(), DrivingError> {
-    points.clear();
-    let safest = safest(task, path)?;
-    if task.corners.is_empty() {
-        // Every gap makes the same way.
-        points.push(Ok(trade_off(safest, path)));
-        return Ok(());
-    }
-    for k in 1..=count {
-        let gap = safest * (k as f64 / count as f64);
-        points.push(drive(task, Gaps::Uniform(gap), path).map(|()| trade_off(gap, path)));
-    }
-    Ok(())
-}
-
-fn trade_off(gap: f64, path: &Path) -> TradeOff {
-    let value = |clearance: Option<crate::clearance::Clearance<2>>| {
-        clearance.map_or(f64::INFINITY, |clearance| clearance.value)
-    };
-    TradeOff {
-        gap,
-        length: path.length(),
-        clearance: value(path.clearance()),
-        turning: value(path.turning()),
-    }
 }

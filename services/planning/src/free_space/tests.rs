@@ -1,5 +1,6 @@
 use super::random::scenes;
 use super::*;
+use crate::section_4::CHANNELS;
 use proptest::prelude::*;
 
 fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
@@ -14,7 +15,7 @@ const EXIT: End<2> = End::Exit(to(1, Sign::Positive));
 
 /// The channels of section 4 of the paper.
 fn section_4() -> [AxisBox<2>; 3] {
-    [space([4., 1.], [7., 6.]), space([1., 2.], [7., 6.]), space([1., 2.], [5., 7.])]
+    CHANNELS.map(|[min, max]| space(min, max))
 }
 
 fn build<const D: usize>(

@@ -3,6 +3,7 @@ use crate::disassembly::{Gap, Path, disassemble};
 use crate::free_space::solids::{Caps, Solids};
 use crate::free_space::{Chain, mouth_of};
 use crate::geometry::{AxisBox, Direction, Vector};
+use crate::section_4::{CHANNELS, MALE};
 use proptest::prelude::*;
 
 mod blocked;
@@ -66,11 +67,12 @@ fn check_error<const D: usize, M: Motion<D> + Clone>(
 
 /// C_1, C_2, C_3 of section 4.
 fn section_4() -> [AxisBox<2>; 3] {
-    [space([1., 2.], [5., 7.]), space([1., 2.], [7., 6.]), space([4., 1.], [7., 6.])]
+    let [c_3, c_2, c_1] = CHANNELS.map(|[min, max]| space(min, max));
+    [c_1, c_2, c_3]
 }
 
 fn male(gap: Gap<'_, 2>) -> Translating<2> {
-    body([4.5, 1.01], [6.99, 4.0], gap, End::Exit(UP))
+    body(MALE[0], MALE[1], gap, End::Exit(UP))
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::free_space::random::{Scene, scenes};
 use crate::free_space::walls::Complement;
 use crate::free_space::{Chain, End};
 use crate::geometry::{Direction, Sign};
+use crate::section_4::{CHANNELS, FEMALE, MALE};
 use proptest::prelude::*;
 
 fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
@@ -14,19 +15,10 @@ fn polygon(vertices: &[[f64; 2]]) -> Polygon {
     Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect()).expect("a polygon")
 }
 
-/// f1 to f12 of section 4.
-fn female() -> Polygon {
-    polygon(&include!("../../../benches/section_4_female.in"))
-}
-
 fn section_4() -> Scene<2> {
     Scene {
-        channels: vec![
-            space([4., 1.], [7., 6.]),
-            space([1., 2.], [7., 6.]),
-            space([1., 2.], [5., 7.]),
-        ],
-        body: space([4.5, 1.01], [6.99, 4.]),
+        channels: CHANNELS.map(|[min, max]| space(min, max)).to_vec(),
+        body: space(MALE[0], MALE[1]),
         exit: Direction { axis: 1, sign: Sign::Positive },
     }
 }
@@ -79,7 +71,7 @@ fn check_section_4(gap: Gap<'_, 2>, known: [f64; 3]) {
         Body::from_polygon(&corners),
         Body { bounds: scene.body, outline: corners.vertices() },
     ];
-    for walls in [complement(&chain), solids(&[female()])] {
+    for walls in [complement(&chain), solids(&[polygon(&FEMALE)])] {
         for body in &bodies {
             let (whole, each) = measure(body, &walls, path.legs());
             for (found, known) in each.iter().zip(known) {
@@ -172,8 +164,11 @@ fn body_inside_a_solid_box_in_space_is_blocked() {
 #[test]
 fn cavity_of_a_solid_is_not_its_inside() {
     let scene = section_4();
-    let (whole, _) =
-        measure(&Body::from_box(&scene.body), &solids(&[female()]), &[leg([0., 0.], [0., 0.])]);
+    let (whole, _) = measure(
+        &Body::from_box(&scene.body),
+        &solids(&[polygon(&FEMALE)]),
+        &[leg([0., 0.], [0., 0.])],
+    );
     assert!(whole.value > 0.0099);
 }
 
@@ -183,7 +178,7 @@ fn nothing_to_measure_is_no_clearance() {
     let mut each = Vec::new();
     let legs = [leg([0., 0.], [1., 0.])];
     assert_eq!(translating_clearance(&body, &Walls::default(), &legs, &mut each), None);
-    assert_eq!(translating_clearance(&body, &solids(&[female()]), &[], &mut each), None);
+    assert_eq!(translating_clearance(&body, &solids(&[polygon(&FEMALE)]), &[], &mut each), None);
 }
 
 /// Distance between a point and the closed region of a displaced outline.

@@ -1,10 +1,10 @@
-//! The safest gap, and the curve of length against clearance.
+//! The safest gap, and length against clearance below it.
 
 use proptest::prelude::*;
 
 use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_ell};
 use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
-use crate::driving::{DrivingError, Gaps, Path, curve, drive, safest};
+use crate::driving::{DrivingError, Gaps, Path, drive, safest};
 use crate::free_space::walls::Wall;
 use crate::motion::Curve;
 
@@ -87,24 +87,22 @@ fn no_corner_no_gap() {
     let mut path = Path::default();
     assert_eq!(safest(&scene.drive(), &mut path), Ok(0.0));
     assert_eq!(path.length(), (point(1.5, 8.0) - point(1.2, 1.5)).norm());
-    let mut points = Vec::new();
-    curve(&scene.drive(), 5, &mut path, &mut points).unwrap();
-    assert_eq!(points.len(), 1);
 }
 
 #[test]
-fn curve_runs_from_short_to_safe() {
-    let mut points = Vec::new();
-    curve(&corridor_a().drive(), 9, &mut Path::default(), &mut points).unwrap();
-    let points: Vec<_> = points.into_iter().map(Result::unwrap).collect();
-    assert_eq!(points.len(), 9);
-    assert_eq!(points[8].gap, 119.0 / 128.0);
-    assert!((points[8].length - 31.917340963672473).abs() < 1e-11);
-    for pair in points.windows(2) {
-        assert!(pair[0].gap < pair[1].gap);
-        assert!(pair[0].length < pair[1].length);
-        assert!(pair[0].turning < pair[1].turning);
+fn parts_of_the_safest_gap_run_from_short_to_safe() {
+    let (scene, mut path) = (corridor_a(), Path::default());
+    let found = safest(&scene.drive(), &mut path).unwrap();
+    assert_eq!(found, 119.0 / 128.0);
+    let (mut length, mut turning) = (0.0, 0.0);
+    for part in 1..=9 {
+        let gap = found * f64::from(part) / 9.0;
+        drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+        let clearance = path.turning().unwrap().value;
+        assert!(length < path.length() && turning < clearance, "{part} ninths");
+        (length, turning) = (path.length(), clearance);
     }
+    assert!((length - 31.917340963672473).abs() < 1e-11);
 }
 
 proptest! {

@@ -1,6 +1,7 @@
 use super::*;
 use crate::geometry::orientation::segments_meet;
 use crate::geometry::polygon::edges;
+use crate::section_4::{CHANNELS, FEMALE, MALE};
 use proptest::prelude::*;
 
 const UP: Direction = Direction { axis: 1, sign: Sign::Positive };
@@ -39,19 +40,15 @@ fn check<const D: usize>(
     assert_eq!(find(&mut with_boxes(boxes), &bounds, body), expected);
 }
 
-/// The female part of section 4.
-const FEMALE: [[f64; 2]; 12] = include!("../../../benches/section_4_female.in");
-
 #[test]
 fn section_4_has_the_channels_of_the_paper() {
     let mut solids = Solids::default();
     // Nothing is slanted, so the tolerance is not looked at.
     solids.push_polygon(&polygon(&FEMALE), f64::NAN, &Caps::default()).expect("a solid");
-    let male = space([4.5, 1.01], [6.99, 4.0]);
+    let male = space(MALE[0], MALE[1]);
     let bounds = solids.cavity(&male, UP).expect("there is a solid");
     assert_eq!(bounds, space([0., 0.], [8., 7.]));
-    let (c_1, c_2, c_3) =
-        (space([1., 2.], [5., 7.]), space([1., 2.], [7., 6.]), space([4., 1.], [7., 6.]));
+    let [c_3, c_2, c_1] = CHANNELS.map(|[min, max]| space(min, max));
     assert_eq!(find(&mut solids, &bounds, [2.49, 2.99]), [c_1, c_2, c_3]);
     // The fourth is too narrow for the male part.
     let fourth = space([4., 1.], [5., 7.]);

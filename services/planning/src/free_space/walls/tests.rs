@@ -3,6 +3,7 @@ use crate::free_space::graph::tests::streets;
 use crate::free_space::random::scenes;
 use crate::geometry::HalfSpace;
 use crate::geometry::{Direction, work};
+use crate::section_4::CHANNELS;
 use proptest::prelude::*;
 
 fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
@@ -32,8 +33,7 @@ fn check_walls(channels: &[AxisBox<2>], mouth: Option<HalfSpace>, expected: &[[f
 
 #[test]
 fn section_4_has_the_cavity_of_the_female_part() {
-    let channels =
-        [space([4., 1.], [7., 6.]), space([1., 2.], [7., 6.]), space([1., 2.], [5., 7.])];
+    let channels = CHANNELS.map(|[min, max]| space(min, max));
     let cavity = [
         [1., 2., 1., 7.],
         [4., 1., 4., 2.],
