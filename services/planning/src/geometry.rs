@@ -1,4 +1,7 @@
-//! Points, boxes and directions that everything else is said in.
+//! Vectors, boxes, directions and half-spaces.
+//!
+//! Distances between shapes are in [`distance`], simple polygons in [`polygon`], the index
+//! over many boxes in [`box_tree`].
 
 use nalgebra::SVector;
 use thiserror::Error;
@@ -8,16 +11,29 @@ pub type Vector<const D: usize> = SVector<f64, D>;
 
 /// A box with sides parallel to the axes and with an interior: the intersection
 /// of `2 D` closed half-spaces (paper, equations 2.1 and 2.2).
+///
+/// ```
+/// use planning::geometry::AxisBox;
+///
+/// // C_3 and C_2 of section 4, and their junction (2.4).
+/// let c_3 = AxisBox::new([4.0, 1.0].into(), [7.0, 6.0].into())?;
+/// let c_2 = AxisBox::new([1.0, 2.0].into(), [7.0, 6.0].into())?;
+/// let junction = AxisBox::new([4.0, 2.0].into(), [7.0, 6.0].into())?;
+/// assert_eq!(c_3.intersection(&c_2), Some(junction));
+/// // Equal bounds leave no interior.
+/// assert!(AxisBox::new([4.0, 1.0].into(), [4.0, 6.0].into()).is_err());
+/// # Ok::<(), planning::geometry::BoxError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisBox<const D: usize> {
     min: Vector<D>,
     max: Vector<D>,
 }
 
-/// Why two corners do not make an [`AxisBox`].
+/// Why two corners are no [`AxisBox`].
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum BoxError {
-    /// A coordinate is not a finite number.
+    /// A coordinate is infinite or not a number.
     #[error("coordinate {axis} is not finite: min {min}, max {max}")]
     NotFinite {
         /// Index of the coordinate.
@@ -74,19 +90,19 @@ impl<const D: usize> AxisBox<D> {
         (self.min + self.max) / 2.0
     }
 
-    /// The common part of two boxes, if it has an interior (equation 2.4).
+    /// The common part of two boxes, if it has an interior (equation 2.4: a junction).
     pub fn intersection(&self, other: &Self) -> Option<Self> {
         let min = self.min.sup(&other.min);
         let max = self.max.inf(&other.max);
         (0..D).all(|axis| min[axis] < max[axis]).then_some(Self { min, max })
     }
 
-    /// Whether `point` lies in this box, its sides included.
+    /// Whether `point` lies in the box or on its boundary.
     pub fn holds(&self, point: &Vector<D>) -> bool {
         (0..D).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
     }
 
-    /// Whether `other` lies in this box, contact included.
+    /// Whether `other` lies in the box; it may touch the boundary.
     pub fn contains(&self, other: &Self) -> bool {
         (0..D).all(|axis| self.min[axis] <= other.min[axis] && other.max[axis] <= self.max[axis])
     }
@@ -97,7 +113,7 @@ impl<const D: usize> AxisBox<D> {
     }
 }
 
-/// Which way along an axis.
+/// A sense along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Sign {
     /// Towards smaller coordinates.
@@ -120,7 +136,7 @@ impl Sign {
         }
     }
 
-    /// The other way.
+    /// The opposite sense.
     pub fn opposite(self) -> Self {
         match self {
             Self::Negative => Self::Positive,
@@ -134,12 +150,12 @@ impl Sign {
 pub struct Direction {
     /// Index of the coordinate.
     pub axis: usize,
-    /// Which way along it.
+    /// The sense along it.
     pub sign: Sign,
 }
 
 impl Direction {
-    /// `point`'s coordinate along this direction, metres: it grows when moving that way.
+    /// The coordinate of `point` along this direction, metres: it grows in this direction.
     pub fn coordinate<const D: usize>(self, point: &Vector<D>) -> f64 {
         self.sign.factor() * point[self.axis]
     }
@@ -161,12 +177,12 @@ pub(crate) fn unit(angle: f64) -> Vector<2> {
     Vector::<2>::new(cos, sin)
 }
 
-/// `vector` turned by the angle of the unit vector `by`: their complex product.
+/// `vector` rotated by the angle of the unit vector `by`: their complex product.
 pub(crate) fn rotated(vector: &Vector<2>, by: &Vector<2>) -> Vector<2> {
     Vector::<2>::new(vector.x * by.x - vector.y * by.y, vector.x * by.y + vector.y * by.x)
 }
 
-/// `vector` turned back by the angle of the unit vector `by`: the product with
+/// `vector` rotated back by the angle of the unit vector `by`: the product with
 /// its conjugate. Its coordinates are the dot and the cross product of `by` and
 /// `vector`.
 pub(crate) fn unrotated(vector: &Vector<2>, by: &Vector<2>) -> Vector<2> {

@@ -1,30 +1,42 @@
-//! Exact distances between pairs of shapes, in the manner of parry's queries.
+//! Exact least distances between pairs of shapes.
 
 use super::Vector;
 use super::orientation::{determinant, segments_cross};
 
-/// Where a point that runs along a segment comes closest to a shape.
+/// Where a point that travels along a segment comes closest to a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closest<const D: usize> {
     /// The least distance, metres; 0 for contact and overlap.
     pub distance: f64,
-    /// The first place on the segment that is so close, from 0 (its first end) to 1.
+    /// The first place on the segment at that distance, from 0 (its first end) to 1.
     pub at: f64,
-    /// The point of the other shape that is so close.
+    /// The point of the other shape at that distance, metres.
     pub point: Vector<D>,
 }
 
 /// Least distance between the segment from `from` to `to` and the box from `min`
 /// to `max`, which may be flat.
 ///
-/// The squared distance is convex and piecewise quadratic along the segment; it
-/// changes its pieces where the segment passes the planes of the box's sides.
+/// The squared distance is convex and piecewise quadratic along the segment; its pieces
+/// meet where the segment passes the planes of the box's sides.
+///
+/// ```
+/// use planning::geometry::Vector;
+/// use planning::geometry::distance::distance_segment_box;
+///
+/// let (from, to) = (Vector::from([-2.0, 5.0]), Vector::from([2.0, 5.0]));
+/// let (min, max) = (Vector::from([0.0, 0.0]), Vector::from([1.0, 2.0]));
+/// let closest = distance_segment_box((&from, &to), (&min, &max));
+/// // First above the corner (0, 2), half-way along.
+/// assert_eq!((closest.distance, closest.at), (3.0, 0.5));
+/// assert_eq!(closest.point, Vector::from([0.0, 2.0]));
+/// ```
 pub fn distance_segment_box<const D: usize>(
     (from, to): (&Vector<D>, &Vector<D>),
     (min, max): (&Vector<D>, &Vector<D>),
 ) -> Closest<D> {
     let way = to - from;
-    // Between the sides along every axis on which it moves: nothing is nearer.
+    // While within the sides along every axis it moves on, it is as near as it gets.
     let (mut enter, mut exit) = (0.0_f64, 1.0_f64);
     for axis in 0..D {
         if way[axis] != 0.0 {
@@ -45,11 +57,11 @@ pub fn distance_segment_box<const D: usize>(
         let point = (from + way * enter).sup(min).inf(max);
         return Closest { distance: square.sqrt(), at: enter, point };
     }
-    // Otherwise the minimum is unique: where the slope changes its sign.
+    // Otherwise the minimum is unique: where the slope changes sign.
     let slope = |at: f64, on: usize| {
         let mut slope = 0.0;
         for axis in 0..D {
-            // On the plane of a side of the box there is no excess but rounding.
+            // On the plane of a side the excess is rounding only.
             if axis != on {
                 slope += way[axis] * excess(from[axis] + at * way[axis], min[axis], max[axis]);
             }
@@ -86,7 +98,7 @@ pub fn distance_segment_box<const D: usize>(
     Closest { distance: (here - point).norm(), at, point }
 }
 
-/// Least distance between the segment from `from` to `to` and another.
+/// Least distance between the segment from `from` to `to` and the one from `a` to `b`.
 pub fn distance_segment_segment(
     (from, to): (&Vector<2>, &Vector<2>),
     (a, b): (&Vector<2>, &Vector<2>),
@@ -94,7 +106,7 @@ pub fn distance_segment_segment(
     if let Some(at) = crossing((from, to), (a, b)) {
         return Closest { distance: 0.0, at, point: from + (to - from) * at };
     }
-    // Apart, or touching: the least distance is at an end of one of them.
+    // Otherwise the least distance is at an end of one of them.
     let ends = [
         at_end(from, 0.0, (a, b)),
         at_middle(a, (from, to)),
@@ -112,7 +124,7 @@ pub(crate) fn cross(a: &Vector<2>, b: &Vector<2>) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// How far `value` is beyond the interval, signed; 0 inside.
+/// Signed distance of `value` from the interval; 0 inside.
 fn excess(value: f64, min: f64, max: f64) -> f64 {
     value - value.max(min).min(max)
 }

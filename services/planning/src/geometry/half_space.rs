@@ -4,16 +4,26 @@ use super::{Direction, Sign, Vector};
 
 /// A closed half-space bounded by a plane across an axis (equation 2.1):
 /// `H_s(c)+ = {P: P_s >= c}` or `H_s(c)- = {P: P_s <= c}`.
+///
+/// ```
+/// use planning::geometry::{Direction, HalfSpace, Sign, Vector};
+///
+/// // Below the mouth of section 4's female part: z <= 7.
+/// let side = Direction { axis: 1, sign: Sign::Negative };
+/// let below = HalfSpace { side, bound: 7.0 };
+/// assert!(below.contains(&Vector::from([3.0, 7.0])));
+/// assert!(!below.contains(&Vector::from([3.0, 7.1])));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSpace {
-    /// The coordinate `s`, and on which side of the plane the half-space lies.
+    /// The coordinate `s`, and the side of the plane on which the half-space lies.
     pub side: Direction,
     /// The constant `c`, metres.
     pub bound: f64,
 }
 
 impl HalfSpace {
-    /// Whether `point` lies in it, its plane included.
+    /// Whether `point` lies in the half-space or on its plane.
     pub fn contains<const D: usize>(&self, point: &Vector<D>) -> bool {
         match self.side.sign {
             Sign::Positive => point[self.side.axis] >= self.bound,

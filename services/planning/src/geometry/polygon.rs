@@ -5,22 +5,30 @@ use super::orientation::{Side, segments_meet, side_of_line};
 use super::{AxisBox, Vector};
 use thiserror::Error;
 
-/// Below this many edges every pair is looked at, without an index.
+/// Up to this many edges all pairs are checked, without an index.
 const FEW: usize = 64;
 
-/// Pairs of edges whose bounding boxes meet that are looked at before giving up.
+/// The most pairs of edges with meeting bounding boxes that are checked.
 pub const MOST_PAIRS: usize = 1 << 26;
 
-/// A polygon whose boundary neither crosses nor touches itself, convex or not,
-/// run through either way. Metres.
+/// A polygon whose boundary neither crosses nor touches itself, convex or not, with its
+/// vertices in either sense of rotation. Metres.
+///
+/// ```
+/// use planning::geometry::polygon::{Polygon, PolygonError};
+///
+/// let bow_tie = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
+/// let error = Polygon::new(bow_tie.map(Into::into).to_vec()).unwrap_err();
+/// assert!(matches!(error, PolygonError::Crossing { first: 0, second: 2, .. }));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polygon {
     vertices: Vec<Vector<2>>,
     bounds: AxisBox<2>,
 }
 
-/// Why vertices do not make a [`Polygon`]. Edge `i` runs from vertex `i` to the
-/// next one, the last edge back to vertex 0.
+/// Why vertices are no [`Polygon`]. Edge `i` runs from vertex `i` to the next one, the
+/// last edge back to vertex 0.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PolygonError {
     /// Fewer than three vertices.
@@ -31,7 +39,7 @@ pub enum PolygonError {
         /// How many are needed.
         needs: usize,
     },
-    /// A coordinate is not a finite number.
+    /// A coordinate is infinite or not a number.
     #[error("vertex {vertex} of the polygon is not finite: ({x}, {y})")]
     NotFinite {
         /// Index of the vertex.
@@ -41,7 +49,7 @@ pub enum PolygonError {
         /// Its second coordinate.
         y: f64,
     },
-    /// All vertices have one coordinate in common.
+    /// All vertices share one coordinate.
     #[error("the polygon has no area: all {vertices} vertices have coordinate {axis} = {value}")]
     Flat {
         /// How many vertices there are.
@@ -63,7 +71,7 @@ pub enum PolygonError {
         /// Second coordinate of both, metres.
         y: f64,
     },
-    /// Two edges cross, overlap, or touch elsewhere than at a common vertex.
+    /// Two edges cross, overlap, or touch other than at a common vertex.
     #[error(
         "edges {first} and {second} of the polygon cross: ({}, {}) to ({}, {}) and ({}, {}) to ({}, {})",
         first_edge[0][0], first_edge[0][1], first_edge[1][0], first_edge[1][1],
@@ -79,21 +87,20 @@ pub enum PolygonError {
         /// Ends of the later edge, metres.
         second_edge: [Vector<2>; 2],
     },
-    /// Too many edges lie across each other's bounding boxes to be checked in
-    /// bounded time.
+    /// The bounding boxes of too many pairs of edges meet for a check in bounded time.
     #[error(
-        "the polygon with {vertices} vertices is too intricate: more than {most} pairs of edges lie close together"
+        "the polygon with {vertices} vertices is too intricate: more than {most} pairs of edges are close together"
     )]
     TooIntricate {
         /// How many vertices there are.
         vertices: usize,
-        /// How many pairs are looked at ([`MOST_PAIRS`]).
+        /// The most pairs that are checked ([`MOST_PAIRS`]).
         most: usize,
     },
 }
 
 impl Polygon {
-    /// The polygon with these vertices, in order, the last joined to the first.
+    /// The polygon with these vertices in order, the last joined to the first.
     /// Allocates only for more than 64 vertices.
     pub fn new(vertices: Vec<Vector<2>>) -> Result<Self, PolygonError> {
         let bounds = check(&vertices)?;
@@ -105,7 +112,7 @@ impl Polygon {
         &self.vertices
     }
 
-    /// Gives back the memory of the vertices.
+    /// Returns the vertices for reuse of their memory.
     pub fn into_vertices(self) -> Vec<Vector<2>> {
         self.vertices
     }
@@ -115,8 +122,7 @@ impl Polygon {
         &self.bounds
     }
 
-    /// Whether `point` is in its interior. Points on the boundary are decided
-    /// either way.
+    /// Whether `point` is inside. For a point on the boundary the answer may be either.
     pub fn contains(&self, point: &Vector<2>) -> bool {
         contains(edges(&self.vertices), point)
     }
@@ -125,7 +131,7 @@ impl Polygon {
     pub fn is_axis_box(&self) -> bool {
         let (min, max) = (self.bounds.min(), self.bounds.max());
         let on_corner = |v: &Vector<2>| (0..2).all(|i| v[i] == min[i] || v[i] == max[i]);
-        // Four different corners in an order that does not cross itself.
+        // Four distinct corners of a simple polygon.
         self.vertices.len() == 4 && self.vertices.iter().all(on_corner)
     }
 }
@@ -136,8 +142,8 @@ pub(crate) fn edges(vertices: &[Vector<2>]) -> impl Iterator<Item = (Vector<2>, 
     vertices.iter().zip(next).map(|(a, b)| (*a, *b))
 }
 
-/// Whether `point` is inside of the closed outline that `edges` make: whether a
-/// ray towards greater first coordinates crosses it an odd number of times.
+/// Whether `point` is inside the closed outline made of `edges`: whether a ray in the
+/// direction of the first axis crosses it an odd number of times.
 pub(crate) fn contains(
     edges: impl Iterator<Item = (Vector<2>, Vector<2>)>,
     point: &Vector<2>,
@@ -180,7 +186,7 @@ fn check(vertices: &[Vector<2>]) -> Result<AxisBox<2>, PolygonError> {
     } else {
         check_indexed(vertices)?;
     }
-    // Extents are positive, so this does not fail.
+    // Cannot fail: extents are positive.
     AxisBox::new(min, max).map_err(|_| PolygonError::Flat {
         vertices: count,
         axis: 0,
@@ -188,7 +194,7 @@ fn check(vertices: &[Vector<2>]) -> Result<AxisBox<2>, PolygonError> {
     })
 }
 
-/// Looks only at pairs whose bounding boxes meet; finds the least pair.
+/// Checks only pairs whose bounding boxes meet; reports the first wrong pair.
 fn check_indexed(vertices: &[Vector<2>]) -> Result<(), PolygonError> {
     let count = vertices.len();
     let bounds = |index: usize| {
@@ -224,7 +230,7 @@ fn edge(vertices: &[Vector<2>], index: usize) -> (Vector<2>, Vector<2>) {
     (vertices[index], vertices[next])
 }
 
-/// Checks two different edges, the first one being the earlier.
+/// Checks two different edges, the earlier one first.
 fn check_pair(vertices: &[Vector<2>], first: usize, second: usize) -> Result<(), PolygonError> {
     let ((a, b), (c, d)) = (edge(vertices, first), edge(vertices, second));
     let count = vertices.len();
@@ -237,7 +243,7 @@ fn check_pair(vertices: &[Vector<2>], first: usize, second: usize) -> Result<(),
             return Err(PolygonError::Repeated { first, second, x, y });
         }
     }
-    // Neighbours share one vertex; their other ends must not lie on each other.
+    // Neighbours share a vertex; beyond it they must not overlap.
     let crossing = if j == k || l == i {
         let (before, shared, after) = if j == k { (a, b, d) } else { (c, a, b) };
         side_of_line(&shared, &before, &after) == Side::On

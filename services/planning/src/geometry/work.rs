@@ -1,4 +1,4 @@
-//! How much is done, counted in tests: what grows with a scene is looked at, not timed.
+//! Counts work in tests, so that growth with the size of a scene is checked without a clock.
 
 use std::cell::Cell;
 
@@ -11,15 +11,15 @@ pub(crate) fn look() {
     LOOKS.set(LOOKS.get() + 1);
 }
 
-/// The looks that `run` takes.
+/// The number of looks that `run` takes.
 pub(crate) fn looks(run: impl FnOnce()) -> usize {
     let before = LOOKS.get();
     run();
     LOOKS.get() - before
 }
 
-/// `work` is given a size and does that much; it returns how many things n its scene
-/// has and the looks taken. These are at most `factor * n log2 n`, for every size.
+/// Checks that work grows as n log n. For a given size `work` returns the number n of things
+/// in its scene and the looks it took, which must not exceed `factor * n log2 n`.
 #[track_caller]
 pub(crate) fn check_n_log_n(
     factor: f64,
@@ -30,7 +30,7 @@ pub(crate) fn check_n_log_n(
         let (n, looks) = work(*size);
         let most = factor * n as f64 * (n as f64).log2();
         assert!(looks as f64 <= most, "{looks} looks at {n} things, more than {most:.0}");
-        // Neither is the factor so generous that it says nothing.
+        // A factor that is too generous would prove nothing.
         assert!(looks as f64 >= most / 3.0, "{looks} looks at {n} things, {most:.0} allowed");
     }
 }

@@ -1,10 +1,10 @@
-//! What a body may do.
+//! Bounds on speed and acceleration.
 
 use thiserror::Error;
 
-/// The least value that any limit may have, in its own SI unit.
+/// The least value of any limit, in its SI unit.
 const LEAST: f64 = 1e-9;
-/// The greatest value that any limit may have: with it no square overflows.
+/// The greatest value of any limit, in its SI unit: its square cannot overflow.
 const MOST: f64 = 1e12;
 
 /// Bounds on a body's motion, each a number from 1e-9 to 1e12 in SI units.
@@ -20,19 +20,19 @@ pub struct Limits {
     lateral_acceleration: f64,
 }
 
-/// Why numbers do not make [`Limits`].
+/// Why numbers are no [`Limits`].
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LimitError {
-    /// A limit is not finite, not positive, or beyond what any machine does.
-    #[error("{field} must be a number from {least:e} to {most:e}, not {value}")]
+    /// A limit is not a number, not positive, or beyond any machine.
+    #[error("{field} is {value}, it must be between {least:e} and {most:e}")]
     OutOfRange {
         /// Name of the limit, as in a request.
         field: &'static str,
         /// The number given.
         value: f64,
-        /// The least number that will do.
+        /// The least value allowed.
         least: f64,
-        /// The greatest number that will do.
+        /// The greatest value allowed.
         most: f64,
     },
 }
@@ -132,6 +132,6 @@ mod tests {
     #[test]
     fn message_names_field_and_numbers() {
         let error = Limits::new(1.0, -0.5, 1.0, 1.0, 1.0).unwrap_err();
-        assert_eq!(error.to_string(), "acceleration must be a number from 1e-9 to 1e12, not -0.5");
+        assert_eq!(error.to_string(), "acceleration is -0.5, it must be between 1e-9 and 1e12");
     }
 }

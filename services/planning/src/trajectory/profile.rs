@@ -1,32 +1,29 @@
-//! The speed profile over the legs: when the body is where.
+//! The speed profile over the legs.
 
 use super::limits::Limits;
 use crate::motion::{Curve, Leg, wrapped};
 
-/// Below this many metres (radians) a leg has no length (turns by nothing); no
-/// square of anything derived from more can underflow.
+/// Legs shorter than this, metres (turns smaller than this, radians), do not move. No square
+/// of anything derived from more can underflow.
 const NOTHING: f64 = 1e-100;
 
-/// Headings of two legs that differ by more than this, radians, do not run into
-/// each other.
+/// The body stops between two legs whose headings differ by more than this, radians.
 const SAME_HEADING: f64 = 1e-9;
 
-/// Where a body comes to rest between its first and its last state.
+/// Where a body stops on the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stops {
-    /// At the end of every leg: a polyline has no tangent at its way-points (assembly).
+    /// At the end of every leg, as a polyline has no tangent there (assembly).
     EveryLeg,
-    /// Around turns in place, wherever the headings of two legs differ by more
-    /// than 1e-9 rad, and before a line that turns on the way, as that sets out
-    /// across its heading (driving). Elsewhere it runs through: headings are
-    /// taken to be tangent to the path.
+    /// Before and after turns in place, wherever the headings of two legs differ by more
+    /// than 1e-9 rad, and before a line that turns on the way, which sets out across its
+    /// heading (driving). Elsewhere headings are taken to be tangent to the path.
     AtTurns,
 }
 
-/// When a body is where along its legs: the fastest motion from rest to rest
-/// under [`Limits`]. Holds its buffers for reuse.
+/// The fastest motion along legs from rest to rest under [`Limits`]. Reusable memory.
 ///
-/// Lengths of legs must be finite.
+/// Legs must be of finite length.
 #[derive(Debug, Clone, Default)]
 pub struct Profile {
     bounds: Vec<Bound>,
@@ -38,7 +35,7 @@ pub struct Profile {
     fastest_turn: f64,
 }
 
-/// What bounds the speed on a leg: a line, an arc or a turn, that moves at all.
+/// What bounds the speed on a leg on which something moves.
 #[derive(Debug, Clone, Copy)]
 struct Bound {
     leg: usize,
@@ -51,9 +48,9 @@ struct Bound {
     entry: f64,
 }
 
-/// The motion on one leg that takes time: speed rises at `acceleration` from
-/// `entry` to `peak`, stays, and falls to `exit`. Seconds; metres, or radians
-/// for a turn in place.
+/// The motion on one leg that takes time: the speed rises at `acceleration` from
+/// `entry` to `peak`, stays, and falls to `exit`. Seconds and metres; radians instead
+/// of metres for a turn in place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Phase {
     pub(super) leg: usize,
@@ -69,19 +66,19 @@ pub(super) struct Phase {
     pub(super) entry: f64,
     pub(super) peak: f64,
     pub(super) exit: f64,
-    /// How far and how long the speed rises.
+    /// Over what distance and time the speed rises.
     pub(super) rise: f64,
     pub(super) rise_time: f64,
-    /// How far and how long the speed falls.
+    /// Over what distance and time the speed falls.
     pub(super) fall: f64,
     pub(super) fall_time: f64,
 }
 
 impl Profile {
-    /// Plans the motion along `legs`, each beginning where the last one ended.
+    /// Plans the motion along `legs`, each beginning where the one before ends.
     ///
-    /// Legs without length (and turns by nothing) are skipped; a leg without
-    /// length that turns all the same is a turn in place.
+    /// Legs that neither move nor turn take no time; a line or an arc without length
+    /// that turns counts as a turn in place.
     pub fn plan<const D: usize>(&mut self, legs: &[Leg<D>], limits: &Limits, stops: Stops) {
         self.bound_forward(legs, limits, stops);
         self.bound_backward();
@@ -98,10 +95,10 @@ impl Profile {
         self.length
     }
 
-    /// When leg number `leg` begins and ends, seconds.
+    /// When leg number `leg`, counted from 0, begins and ends, seconds.
     ///
     /// # Panics
-    /// When there is no such leg.
+    /// If there is no such leg.
     pub fn leg_times(&self, leg: usize) -> (f64, f64) {
         let start = if leg == 0 { 0.0 } else { self.leg_ends[leg - 1] };
         (start, self.leg_ends[leg])
@@ -115,19 +112,18 @@ impl Profile {
         &self.phases
     }
 
-    /// Greatest speed that is reached along the path, m/s.
+    /// Greatest speed reached along the path, m/s.
     pub(super) fn fastest(&self) -> f64 {
         self.fastest
     }
 
-    /// Greatest yaw rate that is reached in turns in place, rad/s.
+    /// Greatest yaw rate reached in turns in place, rad/s.
     pub(super) fn fastest_turn(&self) -> f64 {
         self.fastest_turn
     }
 
-    /// Bounds every leg by its limits and its start by what can be reached from
-    /// behind: `v_out^2 <= v_in^2 + 2 a l`. Squares, because they add up exactly
-    /// as lengths do.
+    /// Bounds every leg by its limits, and its start by the speed that can be reached
+    /// until there: `v_out^2 <= v_in^2 + 2 a l`. Squares of speeds add up as lengths do.
     fn bound_forward<const D: usize>(&mut self, legs: &[Leg<D>], limits: &Limits, stops: Stops) {
         self.bounds.clear();
         for (leg, Leg { curve, .. }) in legs.iter().enumerate() {
@@ -144,7 +140,7 @@ impl Profile {
         }
     }
 
-    /// Bounds the start of every leg by what can be braked from until its end.
+    /// Bounds the start of every leg by the speed that can be braked from by its end.
     fn bound_backward(&mut self) {
         let mut exit = 0.0;
         for bound in self.bounds.iter_mut().rev() {
@@ -178,7 +174,7 @@ impl Profile {
             self.leg_ends.resize(bound.leg, start);
             self.leg_ends.push(phase.end);
             (start, offset) = (phase.end, phase.end_offset);
-            // What is too short for the clock to tell takes no time: its ends are one state.
+            // Too short for the clock to resolve: both ends are one state.
             if phase.end > phase.start {
                 self.phases.push(phase);
             }
@@ -189,8 +185,8 @@ impl Profile {
 }
 
 impl Bound {
-    /// The trapezoid or triangle of speed from `entry` to `exit` (both squares);
-    /// its `end` is its duration still.
+    /// The trapezoid or triangle of speed from `entry` to `exit` (both squares). Its `end`
+    /// is still its duration.
     fn phase(&self, exit: f64) -> Phase {
         let Self { leg, in_place, length, acceleration, most, entry } = *self;
         // The speed at which rising and falling would meet: p^2 - entry + p^2 - exit = 2 a l.
@@ -200,7 +196,7 @@ impl Bound {
         let fall = (peak - exit) / (2.0 * acceleration);
         let cruise = (length - rise - fall).max(0.0);
         let (entry, peak, exit) = (entry.sqrt(), peak.sqrt(), exit.sqrt());
-        // Length over mean speed: no difference of speeds, which cancels on short legs.
+        // Length over mean speed: a difference of speeds would cancel on short legs.
         let rise_time = 2.0 * rise / (entry + peak);
         let fall_time = 2.0 * fall / (peak + exit);
         Phase {
@@ -223,7 +219,7 @@ impl Bound {
     }
 }
 
-/// What bounds the speed on `curve` by itself; none when nothing moves on it.
+/// What bounds the speed on `curve` by itself; `None` if nothing moves on it.
 fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
     let square = |x: f64| x * x;
     let length = curve.length();
@@ -256,15 +252,14 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
     })
 }
 
-/// Whether the heading at the end of `curve` is the one that `next` begins with,
-/// and the way that `next` begins.
+/// Whether a body can go from `curve` on to `next` without a stop: the heading stays, and
+/// `next` sets out along it.
 fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bool {
     let turns = matches!(*next, Curve::Line { turned, .. } if turned != 0.0);
     !turns && wrapped(next.start_heading() - curve.end_heading()).abs() <= SAME_HEADING
 }
 
-/// A sum whose rounding errors are summed as well (Neumaier), so that a million
-/// legs are timed as accurately as one.
+/// A compensated sum (Neumaier): a million legs are timed as accurately as one.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     rounded: f64,

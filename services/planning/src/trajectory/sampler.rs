@@ -11,9 +11,9 @@ use crate::motion::{Curve, Leg};
 /// and the last state of every leg, and between them those on the grid of the
 /// [`Sampling`].
 ///
-/// The end of a leg and the start of the next are one state, the following leg's,
-/// at exactly the way-point. A state on the grid within 1e-6 s of the end of a
-/// leg gives way to it. Times strictly increase from 0 to the duration.
+/// The end of a leg and the start of the next are one state, exactly at the way-point,
+/// with the velocity and yaw rate of the next leg. A state on the grid within 1e-6 s of
+/// the end of a leg is dropped. Times strictly increase from 0 to the duration.
 #[derive(Debug, Clone)]
 pub struct Sampler<'a, const D: usize> {
     profile: &'a Profile,
@@ -21,22 +21,22 @@ pub struct Sampler<'a, const D: usize> {
     grid: Grid,
     track: Option<Track<D>>,
     law: Law,
-    /// The grid's step, and the next multiple of it.
+    /// The step of the grid, and its next multiple.
     step: f64,
     multiple: f64,
-    /// Where the multiples of the current law end, and those of each law of the leg.
+    /// The multiple at which the current law ends, and those at which each of the leg's does.
     end: f64,
     ends: [f64; 3],
     /// How many laws of the leg have been begun.
     laws: usize,
-    /// Index of the next phase, whose start (the last one's end) is the next
-    /// state that is not on the grid.
+    /// Index of the next phase. Its start, which is the end of the one before, is the next
+    /// state off the grid.
     phase: usize,
-    /// How many states are left besides the current law's.
+    /// How many states are left after those of the current law.
     remaining: u64,
 }
 
-/// A motion under constant acceleration, as seen from one place on it.
+/// A motion at constant acceleration, seen from one place on it.
 #[derive(Debug, Clone, Copy, Default)]
 struct Law {
     /// What the grid measures there.
@@ -50,8 +50,8 @@ struct Law {
 }
 
 impl Profile {
-    /// How many states [`Profile::samples`] will give; its cost depends on the
-    /// number of legs only, so a caller can refuse too many before making any.
+    /// How many states [`Profile::samples`] will yield. The cost depends on the number of
+    /// legs only, so a caller can refuse too many states before making any.
     pub fn sample_count(&self, sampling: Sampling) -> u64 {
         if self.leg_count() == 0 {
             return 0;
@@ -62,11 +62,11 @@ impl Profile {
         between + self.phases().len() as u64 + 1
     }
 
-    /// The states of the motion along `legs`, the ones it was planned for.
+    /// The states of the motion along `legs`, which must be those planned.
     /// [`Iterator::for_each`] and other folds run a few times faster than a `for` loop.
     ///
     /// # Panics
-    /// The iterator may panic when `legs` are not the ones planned.
+    /// The iterator may panic if `legs` are not those planned.
     pub fn samples<'a, const D: usize>(
         &'a self,
         legs: &'a [Leg<D>],
@@ -94,8 +94,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         }
     }
 
-    /// What comes when the law's multiples are used up: those of the next law on
-    /// this leg, or the state at the leg's end.
+    /// The next state once the multiples of the current law are used up: the first of the
+    /// leg's next law, or the state at the end of the leg.
     #[inline(never)]
     fn advance(&mut self) -> Option<State<D>> {
         while self.laws < 3 {
@@ -129,7 +129,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         Some(track.state(time, along, speed))
     }
 
-    /// Folds the states of the current law up to the multiple `end`, each made by `place`.
+    /// Folds the states of the current law up to the multiple `end`; `place` makes each.
     #[inline]
     fn run<const BY_TIME: bool, B>(
         &mut self,
@@ -140,7 +140,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
     ) -> B {
         let mut all = init;
         if let Some(track) = &mut self.track {
-            // Held apart from `self`, and so in registers.
+            // Copies outside `self` stay in registers.
             let (law, step) = (self.law, self.step);
             let (mut near, mut multiple) = (track.clone(), self.multiple);
             while multiple < end {
@@ -154,14 +154,14 @@ impl<'a, const D: usize> Sampler<'a, D> {
         all
     }
 
-    /// Calls `take` with the next `count` states, or with those that are left. As by
-    /// [`Iterator::next`], a few times faster.
+    /// Calls `take` with the next `count` states, or as many as are left. The same states as
+    /// from [`Iterator::next`], a few times faster.
     #[inline]
     pub fn for_next(&mut self, count: usize, mut take: impl FnMut(State<D>)) {
         self.fold_next(count as f64, (), |(), state| take(state));
     }
 
-    /// Folds the next `left` states: those of a law in one loop.
+    /// Folds the next `left` states, those of each law in one loop.
     #[inline]
     fn fold_next<B>(&mut self, mut left: f64, init: B, mut f: impl FnMut(B, State<D>) -> B) -> B {
         let mut all = init;
@@ -169,7 +169,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
             if self.multiple < self.end {
                 let end = self.end.min(self.multiple + left);
                 left -= end - self.multiple;
-                // A loop for each shape, so that nothing is decided state by state.
+                // A loop for each shape, so that no state has to decide.
                 let shape = self.track.as_ref().map_or(Shape::Line, Track::shape);
                 let f = &mut f;
                 all = match (shape, self.grid.by_time) {
@@ -190,8 +190,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         all
     }
 
-    /// The state where the next phase begins, and the way into that phase; after
-    /// the last one, the state of rest at the end.
+    /// Enters the next phase and returns the state at its start; after the last one, the
+    /// state of rest at the end.
     fn way_point(&mut self) -> State<D> {
         let profile = self.profile;
         let last = self.phase.checked_sub(1).map(|index| profile.phases()[index].leg);
@@ -207,7 +207,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
                 yaw_rate: 0.0,
             },
         };
-        // The ends that curves state are exact; those of arcs are taken from their neighbours.
+        // Stated ends are exact, so an arc takes its own from its neighbours.
         let stated = match (last, next) {
             (_, None) => self.legs.last().map(|leg| leg.curve.end()),
             (None, Some(_)) => self.legs.first().and_then(|leg| stated(&leg.curve, Curve::start)),
@@ -217,24 +217,24 @@ impl<'a, const D: usize> Sampler<'a, D> {
         if let Some(position) = stated {
             state.position = position;
         }
-        // At rest a negative direction makes negative zeros.
+        // At rest, negative directions make negative zeros.
         state.position = state.position.map(|x| x + 0.0);
         state.velocity = state.velocity.map(|x| x + 0.0);
         state.yaw_rate += 0.0;
         state
     }
 
-    /// Makes `phase` the current one; gives the state at its start.
+    /// Makes `phase` the current one and returns the state at its start.
     fn enter(&mut self, phase: &Phase) -> State<D> {
         let inside = self.grid.inside(phase);
         self.step = self.grid.step(phase);
         self.multiple = inside.first;
         self.laws = 0;
-        // No law is begun yet, so none has multiples left.
+        // No law has begun, so none has multiples left.
         self.end = inside.first;
         self.ends = [inside.end; 3];
         if inside.first < inside.end {
-            // Which law evaluates a multiple near both is a matter of rounding only.
+            // Near the border of two laws either may evaluate a multiple: they agree to rounding.
             for law in 0..2 {
                 let bound = Law::end(phase, law, &self.grid);
                 self.ends[law] = first_multiple(self.step, |x| x >= bound, bound).min(inside.end);
@@ -247,7 +247,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
     }
 }
 
-/// An end of a curve, unless it would have to be computed.
+/// The start or end of a curve if the curve states it; arcs compute theirs.
 fn stated<const D: usize>(
     curve: &Curve<D>,
     end: impl Fn(&Curve<D>) -> Vector<D>,
@@ -271,8 +271,8 @@ impl Law {
         }
     }
 
-    /// The laws of a phase: rising from its start, cruising, falling until its
-    /// end. The last is seen from there, so that the end is met exactly.
+    /// The laws of a phase: speeding up, cruising, braking. The last is seen from the end of
+    /// the phase, so that it meets the end exactly.
     fn of(phase: &Phase, law: usize, grid: &Grid) -> Self {
         let (start, end) = grid.ends(phase);
         match law {
@@ -325,7 +325,7 @@ impl<const D: usize> Iterator for Sampler<'_, D> {
         (exact.unwrap_or(usize::MAX), exact)
     }
 
-    /// As by [`Iterator::next`], a few times faster: a law's states in one loop.
+    /// The same states as from [`Iterator::next`], a few times faster.
     #[inline]
     fn fold<B, F: FnMut(B, State<D>) -> B>(mut self, init: B, f: F) -> B {
         self.fold_next(f64::INFINITY, init, f)

@@ -1,21 +1,21 @@
-//! Where states are wanted, and how many that makes.
+//! Which states are sampled, and how many.
 
 use super::profile::{Phase, Profile};
 use thiserror::Error;
 
-/// A state on the grid that is within this of a leg's end gives way to it, seconds.
+/// A state on the grid this close to the end of a leg is dropped, seconds.
 const GIVES_WAY: f64 = 1e-6;
 
-/// Angle between states on turns in place when sampling by spacing, radians.
+/// Spacing of states on turns in place when sampling by arc length, radians.
 const TURN_SPACING: f64 = 0.05;
 
-/// The finest part of the whole that is told apart: 2^-50, four units in the
-/// last place. It keeps times strictly increasing whatever is asked for.
+/// The finest step as a part of the whole: 2^-50, four units in the last place, so that
+/// times strictly increase whatever is asked for.
 const RESOLUTION: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// Where states are wanted between the ends of legs, which are always states.
+/// Which states to sample between the ends of legs, which are always sampled.
 ///
-/// A step finer than 2^-50 of the whole motion is taken as that.
+/// Steps finer than 2^-50 of the whole motion are taken as that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling(Kind);
 
@@ -26,11 +26,11 @@ enum Kind {
     Count(u64),
 }
 
-/// Why a number does not make a [`Sampling`].
+/// Why a number is no [`Sampling`].
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SamplingError {
     /// A step is not a positive number.
-    #[error("{field} must be a finite number greater than 0, not {value}")]
+    #[error("{field} is {value}, it must be finite and greater than 0")]
     NotPositive {
         /// `period` or `spacing`.
         field: &'static str,
@@ -38,11 +38,11 @@ pub enum SamplingError {
         value: f64,
     },
     /// Fewer states than a motion has ends.
-    #[error("count must be at least {least}, not {count}: the first and the last state")]
+    #[error("count is {count}, it must be at least {least}: the first and the last state")]
     TooFew {
         /// The number given.
         count: u64,
-        /// The least number that will do.
+        /// The least number allowed.
         least: u64,
     },
 }
@@ -59,7 +59,7 @@ impl Sampling {
         positive("spacing", metres).map(Kind::Spacing).map(Self)
     }
 
-    /// At `count` times, evenly spaced from the first to the last state.
+    /// At `count` evenly spaced times, the first and the last state included.
     pub fn count(count: u64) -> Result<Self, SamplingError> {
         if count < 2 {
             return Err(SamplingError::TooFew { count, least: 2 });
@@ -77,7 +77,7 @@ fn positive(field: &'static str, value: f64) -> Result<f64, SamplingError> {
 }
 
 /// Multiples of a step: of time over the whole motion, or of arc length over the
-/// whole path and of angle over each turn in place.
+/// whole path and of angle on each turn in place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
     pub(super) by_time: bool,
@@ -87,7 +87,7 @@ pub(super) struct Grid {
 }
 
 /// Consecutive multiples of a grid's step: `first * step` to `(end - 1) * step`.
-/// Whole numbers below 2^51, held as the numbers they are multiplied as.
+/// Whole numbers below 2^51.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Multiples {
     pub(super) first: f64,
@@ -119,7 +119,7 @@ impl Grid {
         }
     }
 
-    /// The step that counts on `phase`.
+    /// The step on `phase`.
     pub(super) fn step(&self, phase: &Phase) -> f64 {
         if phase.in_place && !self.by_time { self.turn_step } else { self.step }
     }
@@ -133,7 +133,7 @@ impl Grid {
         }
     }
 
-    /// The multiples inside `phase` that do not give way to one of its ends.
+    /// The multiples inside `phase`, without those dropped near its ends.
     pub(super) fn inside(&self, phase: &Phase) -> Multiples {
         let (start, end) = self.ends(phase);
         let step = self.step(phase);
@@ -153,10 +153,10 @@ impl Grid {
     }
 }
 
-/// The least whole number `k` for which `passed(k * step)`, `passed` being false
-/// up to about `bound` and true from there.
+/// The least whole number `k` with `passed(k * step)`; `passed` turns from false to true
+/// at about `bound`.
 pub(super) fn first_multiple(step: f64, passed: impl Fn(f64) -> bool, bound: f64) -> f64 {
-    // Truncation is enough: the quotient is off by no more than one.
+    // Truncated, it is off by one at most.
     let mut multiple = (bound / step) as i64 as f64;
     while multiple > 0.0 && passed((multiple - 1.0) * step) {
         multiple -= 1.0;
@@ -168,22 +168,21 @@ pub(super) fn first_multiple(step: f64, passed: impl Fn(f64) -> bool, bound: f64
 }
 
 impl Phase {
-    /// How far the body gets in the first `time` seconds, which are not all of them.
+    /// How far the body gets in the first `time` seconds of the phase.
     fn run_from_start(&self, time: f64) -> f64 {
         run(self.entry, self.peak, self.acceleration, self.rise_time, self.rise, time)
     }
 
-    /// How far the body gets in the last `time` seconds, which are not all of them.
+    /// How far the body gets in the last `time` seconds of the phase.
     fn run_to_end(&self, time: f64) -> f64 {
         run(self.exit, self.peak, self.acceleration, self.fall_time, self.fall, time)
     }
 }
 
-/// How far a body gets in `time` from the end of a phase where its speed is
-/// `speed`, seen from that end: it changes at `acceleration` for `ramp_time` and
-/// `ramp`, and is `peak` then. (Where `time` reaches the other ramp the peak only
-/// bounds it: no matter, it decides which states give way on legs of a few
-/// microseconds.)
+/// How far a body gets within `time` of that end of a phase where its speed is `speed`:
+/// the speed changes at `acceleration` for `ramp_time`, over `ramp`, up to `peak`. (If
+/// `time` reaches the other ramp this is only a bound, which matters to what is dropped
+/// on legs of a few microseconds.)
 fn run(speed: f64, peak: f64, acceleration: f64, ramp_time: f64, ramp: f64, time: f64) -> f64 {
     if time <= ramp_time {
         time * (speed + 0.5 * acceleration * time)

@@ -2,18 +2,18 @@
 
 use crate::geometry::Vector;
 
-/// Where the body is at a time, and how it moves. No number is a negative zero.
+/// Where the body is at one time, and how it moves. No number is a negative zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<const D: usize> {
-    /// Since the motion began, seconds.
+    /// Seconds since the motion began.
     pub time: f64,
-    /// Of the body's reference point, metres.
+    /// Position of the reference point, metres.
     pub position: Vector<D>,
-    /// Counter-clockwise from +x, in (-pi, pi].
+    /// Heading, radians counter-clockwise from +x, in (-pi, pi].
     pub heading: f64,
-    /// Of the reference point, m/s.
+    /// Velocity of the reference point, m/s.
     pub velocity: Vector<D>,
-    /// Rate of turning, rad/s; positive turns left. It steps where a line meets
-    /// an arc: at such an end of a leg it is the following leg's.
+    /// Yaw rate, rad/s; positive turns left. It jumps where a line meets an arc: there
+    /// it is that of the leg that begins.
     pub yaw_rate: f64,
 }

@@ -411,7 +411,7 @@ fn wrong_samplings_are_refused_by_name() {
         for (field, result) in
             [("period", Sampling::period(value)), ("spacing", Sampling::spacing(value))]
         {
-            let message = format!("{field} must be a finite number greater than 0, not {value}");
+            let message = format!("{field} is {value}, it must be finite and greater than 0");
             assert_eq!(result.unwrap_err().to_string(), message);
         }
     }

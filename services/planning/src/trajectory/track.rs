@@ -1,37 +1,37 @@
-//! Where on a leg the body is, and how it is turned there.
+//! Position and heading of the body along one leg.
 
 use super::state::State;
 use crate::geometry::{Sign, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
-/// Angle between the places of an arc where sine and cosine are computed, radians.
+/// Angle between the nodes of an arc, where sine and cosine are computed, radians.
 const NODE_SPACING: f64 = 0.5;
 
-/// A line this short against its coordinates has a direction that rounding tells on.
+/// The direction of a line shorter than this part of its coordinates suffers from rounding.
 const SHORT: f64 = 1e-6;
 
-/// A leg, made ready to be evaluated many times in travel order.
+/// A leg, prepared for many evaluations in travel order.
 #[derive(Debug, Clone)]
 pub(super) struct Track<const D: usize> {
-    /// Where it begins; on an arc its centre.
+    /// Where it begins; for an arc its centre.
     origin: Vector<D>,
-    /// Displacement per metre; zero when turning in place and on arcs.
+    /// Displacement per metre; zero for turns in place and arcs.
     direction: Vector<D>,
     /// Heading at its start.
     heading: f64,
-    /// Signed radians turned per metre, or per radian (+-1) in place.
+    /// Signed radians turned per metre; +-1 in place.
     curvature: f64,
     arc: Option<Arc>,
 }
 
-/// What is to be computed at each state of a leg.
+/// What has to be computed for each state of a leg.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
-    /// Only where it is: a line.
+    /// The position: a line.
     Line,
-    /// The heading too: a turn in place, a line that turns on the way.
+    /// The heading as well: a turn in place, a line that turns on the way.
     Bend,
-    /// The direction of travel as well: an arc.
+    /// The direction of travel, too: an arc.
     Arc,
 }
 
@@ -42,8 +42,8 @@ struct Arc {
     start_angle: f64,
     /// +1.0 turns left, -1.0 right.
     sense: f64,
-    /// Angle run through at the node, and the rounding error of the angle there,
-    /// which for large angles is greater than all else.
+    /// Angle run through at the node, and its rounding error, which for large angles
+    /// exceeds all others.
     node: f64,
     error: f64,
     cos: f64,
@@ -51,7 +51,7 @@ struct Arc {
 }
 
 impl<const D: usize> Track<D> {
-    /// The leg's track; `length` is metres, or radians when it turns `in_place`.
+    /// The track of a leg; `length` in metres, or in radians if it turns `in_place`.
     pub(super) fn new(leg: &Leg<D>, length: f64, in_place: bool) -> Self {
         let heading = leg.curve.start_heading();
         let none = Vector::zeros();
@@ -70,7 +70,7 @@ impl<const D: usize> Track<D> {
                 let curvature = sense(sweep);
                 Self { origin: position, direction: none, heading, curvature, arc: None }
             }
-            // No radius to speak of: the centre is the place.
+            // The radius is negligible: the centre is the place.
             Curve::Arc { center, sweep, .. } if in_place => {
                 let curvature = sense(sweep);
                 Self { origin: center, direction: none, heading, curvature, arc: None }
@@ -84,14 +84,14 @@ impl<const D: usize> Track<D> {
         .normalised()
     }
 
-    /// With no negative zero, which sums then never give.
+    /// Without negative zeros, so that sums have none.
     fn normalised(mut self) -> Self {
         self.origin = self.origin.map(|x| x + 0.0);
         self.direction = self.direction.map(|x| x + 0.0);
         self
     }
 
-    /// Which of `on_line`, `on_bend` and `on_arc` evaluates this leg.
+    /// Selects `on_line`, `on_bend` or `on_arc`.
     #[inline]
     pub(super) fn shape(&self) -> Shape {
         match &self.arc {
@@ -143,7 +143,7 @@ impl<const D: usize> Track<D> {
             let across = speed * arc.sense;
             state.position[0] += arc.radius * cos;
             state.position[1] += arc.radius * sin;
-            // A sum with zero is no negative zero; a product may be.
+            // A product may be a negative zero, a sum with zero is not.
             state.velocity[0] = 0.0 - across * sin;
             state.velocity[1] = 0.0 + across * cos;
         }
@@ -158,8 +158,8 @@ impl Arc {
     }
 
     /// Cosine and sine of the angle from the centre to the body, `along` metres
-    /// from the arc's start: those of the nearest node, turned by the small
-    /// angle that remains. As nodes come from `libm` each by itself, nothing drifts.
+    /// from the start of the arc: those of the nearest node, rotated by the small angle
+    /// that remains. Nodes are computed independently, so errors do not add up.
     #[inline]
     fn direction(&mut self, along: f64) -> (f64, f64) {
         let turned = along / self.radius;
@@ -184,15 +184,15 @@ impl Arc {
     }
 }
 
-/// A sum and what its rounding left out (Knuth).
+/// A sum and its rounding error (Knuth).
 fn exact_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let from_b = sum - a;
     (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
-/// `1 - cos x` and `sin x` for `|x| <= 0.25`: their Taylor series, which end
-/// below 3e-18 there.
+/// `1 - cos x` and `sin x` for `|x| <= 0.25` by Taylor series; the terms left out are
+/// below 3e-18.
 #[inline]
 fn small_angle(x: f64) -> (f64, f64) {
     const FACTORIAL: [f64; 13] = {
@@ -216,9 +216,8 @@ fn small_angle(x: f64) -> (f64, f64) {
 
 /// Unit vector of a line's travel.
 ///
-/// A line of rounding's own length, as between two guiding circles that all but
-/// touch, would point anywhere: where coordinates can't tell its direction from
-/// its heading, the heading is it.
+/// Rounding could turn a very short line, such as between two guiding circles that almost
+/// touch, anywhere: if the ends agree with the heading to rounding, the heading is taken.
 fn direction<const D: usize>(
     from: &Vector<D>,
     to: &Vector<D>,
