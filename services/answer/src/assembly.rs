@@ -3,6 +3,7 @@
 
 use std::mem;
 
+use planning::budget::{Budget, Spent};
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
 use planning::disassembly::{self, DisassemblyError, Path, disassemble};
@@ -40,6 +41,7 @@ pub(super) struct Assembly<const D: usize> {
 
 /// What all answers to a request share.
 struct Terms<'a, const D: usize> {
+    budget: &'a Budget<'a>,
     scene: &'a SceneRequest,
     axes: Axes,
     body: Body<'a, D>,
@@ -58,11 +60,13 @@ impl Assembly<2> {
         cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        self.free_space.read(scene, &PLANE, wishes.caps, cache)?;
+        let budget = wishes.budget;
+        self.free_space.read(scene, &PLANE, budget, cache)?;
         match &scene.body {
             message::Body::Polygon(vertices) => {
-                let body = check::polygon(|| "body.polygon".to_owned(), vertices, &mut self.body)?;
-                let terms = Terms::new(scene, PLANE, Body::from_polygon(&body))?;
+                let field = || "body.polygon".to_owned();
+                let body = check::polygon(field, vertices, &mut self.body, budget)?;
+                let terms = Terms::new(scene, PLANE, Body::from_polygon(&body), budget)?;
                 self.take_in_solids(&terms, cache)?;
                 let answered = self.answer_body(key, &terms, wishes, cache, sink);
                 self.body = body.into_vertices();
@@ -70,7 +74,7 @@ impl Assembly<2> {
             }
             message::Body::Box(sides) => {
                 let body = check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?;
-                let terms = Terms::new(scene, PLANE, Body::from_box(&body))?;
+                let terms = Terms::new(scene, PLANE, Body::from_box(&body), budget)?;
                 self.take_in_solids(&terms, cache)?;
                 self.answer_body(key, &terms, wishes, cache, sink)
             }
@@ -80,7 +84,8 @@ impl Assembly<2> {
 
     fn take_in_solids(&mut self, terms: &Terms<2>, cache: &mut Cache) -> Result<(), Refusal> {
         let size = terms.body.bounds().size();
-        self.free_space.take_in_solids(terms.scene, &PLANE, size.as_slice(), cache)
+        let Terms { scene, budget, .. } = terms;
+        self.free_space.take_in_solids(scene, &PLANE, size.as_slice(), budget, cache)
     }
 }
 
@@ -94,12 +99,13 @@ impl Assembly<3> {
         cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        self.free_space.read(scene, &SPACE, wishes.caps, cache)?;
-        self.free_space.take_in_solids(scene, &SPACE, cache)?;
+        let budget = wishes.budget;
+        self.free_space.read(scene, &SPACE, budget, cache)?;
+        self.free_space.take_in_solids(scene, &SPACE, budget, cache)?;
         match &scene.body {
             message::Body::Box(sides) => {
                 let body = check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?;
-                let terms = Terms::new(scene, SPACE, Body::from_box(&body))?;
+                let terms = Terms::new(scene, SPACE, Body::from_box(&body), budget)?;
                 self.answer_body(key, &terms, wishes, cache, sink)
             }
             message::Body::Polygon(_) => Err(check::flat("body.polygon".to_owned())),
@@ -109,8 +115,14 @@ impl Assembly<3> {
 }
 
 impl<'a, const D: usize> Terms<'a, D> {
-    fn new(scene: &'a SceneRequest, axes: Axes, body: Body<'a, D>) -> Result<Self, Refusal> {
+    fn new(
+        scene: &'a SceneRequest,
+        axes: Axes,
+        body: Body<'a, D>,
+        budget: &'a Budget<'a>,
+    ) -> Result<Self, Refusal> {
         Ok(Self {
+            budget,
             scene,
             axes,
             body,
@@ -172,9 +184,10 @@ impl<const D: usize> Assembly<D> {
                 let message = "free_space.solids bound no cavity";
                 return Err(Refusal::invalid("free_space.solids", message));
             };
-            free_space.make(cavity, body.size(), cache)?;
+            free_space.make(cavity, body.size(), terms.budget, cache)?;
             let traveller = Translating::new(body, disassembly::Gap::Safest, End::Exit(exit));
-            free_space.check_mouth(&terms.axes, &cavity, exit, traveller.ok())?;
+            let traveller = traveller.ok();
+            free_space.check_mouth(&terms.axes, &cavity, exit, traveller, terms.budget)?;
         }
         self.exit = Some(exit);
         if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit, cache) }
@@ -189,10 +202,15 @@ impl<const D: usize> Assembly<D> {
         cache: &mut Cache,
     ) -> Result<(), Refusal> {
         self.chain
-            .build(self.free_space.travelled(), &terms.body.bounds().center(), End::Exit(exit))
+            .build(
+                self.free_space.travelled(),
+                &terms.body.bounds().center(),
+                End::Exit(exit),
+                terms.budget,
+            )
             .map_err(|error| refuse::chain(&terms.axes, error))?;
         if !check::has_solids(terms.scene) {
-            self.free_space.wall_in(self.chain.mouth(), cache);
+            self.free_space.wall_in(self.chain.mouth(), terms.budget, cache)?;
         }
         Ok(())
     }
@@ -223,7 +241,9 @@ impl<const D: usize> Assembly<D> {
                 near.at = path.length() - near.at;
             }
         }
-        self.profile.plan(self.path.legs(), &terms.limits, Stops::EveryLeg);
+        self.profile
+            .plan(self.path.legs(), &terms.limits, Stops::EveryLeg, terms.budget)
+            .map_err(refuse::spent)?;
         wishes.check_samples(&self.profile, terms.sampling)?;
         Ok(exit)
     }
@@ -311,15 +331,18 @@ impl<const D: usize> Assembly<D> {
         if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
             let mut body = Translating::new(terms.body.bounds(), gap, End::Exit(exit))
                 .map_err(|error| refuse::route(&terms.axes, field(), error))?;
-            let found = self
-                .free_space
-                .find(&mut body, |_, _, length| Judgement::Accepted { length, value: () });
+            let found = self.free_space.find(&mut body, terms.budget, |_, _, length| {
+                Ok(Judgement::Accepted { length, value: () })
+            });
             found.map_err(|error| {
-                self.free_space.refuse_route(&terms.axes, field(), error, body.traveller())
+                let traveller = body.traveller();
+                self.free_space.refuse_route(&terms.axes, field(), error, traveller, terms.budget)
             })?;
             self.build_chain(terms, exit, cache)?;
         }
-        disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path).map_err(|error| {
+        let found =
+            disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path, terms.budget);
+        found.map_err(|error| {
             let whole = matches!(
                 error,
                 DisassemblyError::NoChannels
@@ -330,9 +353,13 @@ impl<const D: usize> Assembly<D> {
         })?;
         let Self { path, free_space, clearances, .. } = self;
         let walls = free_space.walls();
-        self.clearance = translating_clearance(&terms.body, walls, path.legs(), clearances);
+        self.clearance =
+            translating_clearance(&terms.body, walls, path.legs(), clearances, terms.budget)
+                .map_err(refuse::spent)?;
         match self.clearance {
-            Some(near) if near.value <= 0.0 && !self.is_contact(terms) => {
+            Some(near)
+                if near.value <= 0.0 && !self.is_contact(terms).map_err(refuse::spent)? =>
+            {
                 Err(refuse::wall_in_the_way(&near).into())
             }
             _ => Ok(()),
@@ -341,19 +368,24 @@ impl<const D: usize> Assembly<D> {
 
     /// Whether a clearance of 0 is no more than contact, because the body stays where no solid
     /// is: in the channels (lemma 1 of docs/method.md) and, at the end, beyond the mouth.
-    fn is_contact(&self, terms: &Terms<D>) -> bool {
+    fn is_contact(&self, terms: &Terms<D>) -> Result<bool, Spent> {
         // All other walls are the channels' own sides.
         if !check::has_solids(terms.scene) {
-            return true;
+            return Ok(true);
         }
-        let walls = self.free_space.walls();
+        let (walls, budget) = (self.free_space.walls(), terms.budget);
         let Some(Curve::Line { to, .. }) = self.path.legs().last().map(|leg| leg.curve) else {
-            return false;
+            return Ok(false);
         };
         // Channels made from the solids are free of them.
-        let mut channels = self.chain.channels().iter();
-        (self.free_space.is_made() || channels.all(|channel| walls.is_free(channel)))
-            && walls.is_free(&terms.body.bounds().translated(&to))
+        if !self.free_space.is_made() {
+            for channel in self.chain.channels() {
+                if !walls.is_free(channel, budget)? {
+                    return Ok(false);
+                }
+            }
+        }
+        walls.is_free(&terms.body.bounds().translated(&to), budget)
     }
 
     fn send<S: PartSink>(

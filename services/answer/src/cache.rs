@@ -15,6 +15,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::mem;
 use std::sync::Arc;
 
+use planning::budget::{Budget, Cost};
 use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
 use planning::geometry::AxisBox;
@@ -99,6 +100,9 @@ impl Content {
     }
 }
 
+/// So many words are described, hashed and compared in the time of a step.
+const WORDS_PER_STEP: u64 = 4;
+
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344];
 
 /// Least recently used, bounded in bytes.
@@ -130,6 +134,9 @@ struct Entry {
     bytes: usize,
     /// The last that used it.
     request: u64,
+    /// What making it drew from the budget of the request that it was made for. A request that
+    /// finds it draws the same, once, so that its reply does not depend on what was kept.
+    cost: Cost,
 }
 
 /// What is kept, beside what it was made from.
@@ -168,37 +175,53 @@ impl Cache {
     /// hold something else.
     pub(super) fn get<T: Keep, E>(
         &mut self,
+        budget: &Budget<'_>,
         make: impl FnOnce(&mut T) -> Result<(), E>,
     ) -> Result<Arc<T>, E> {
-        // Most often it is the same as last.
-        if let Some(made) = self.found(self.entries[END].older) {
+        // Looking takes time, too. Where there is none left, `make` says so.
+        let words = self.content.0.len() as u64;
+        if budget.step(1 + words / WORDS_PER_STEP).is_ok()
+            && let Some(made) = self.look(budget)
+        {
             return Ok(made);
         }
         let hash = self.content.hash();
         if let Some(at) = self.places.get(&hash).copied() {
-            if let Some(made) = self.found(at) {
-                return Ok(made);
-            }
             self.forget(at);
         }
         self.stats.misses += 1;
         let Memory { mut content, made } = self.spare();
         let made = made.and_then(|made| Arc::downcast(made).ok());
         let mut made: Arc<T> = made.filter(|made| Arc::strong_count(made) == 1).unwrap_or_default();
-        make(Arc::get_mut(&mut made).expect("it is nobody else's"))?;
+        let (result, cost) =
+            budget.measure(|| make(Arc::get_mut(&mut made).expect("it is nobody else's")));
+        result?;
         content.clear();
         content.extend_from_slice(&self.content.0);
-        self.keep(hash, Memory { content, made: Some(made.clone()) }, made.bytes());
+        self.keep(hash, Memory { content, made: Some(made.clone()) }, made.bytes(), cost);
         Ok(made)
     }
 
-    /// What an entry keeps, if it is what is looked for.
-    fn found<T: Keep>(&mut self, at: usize) -> Option<Arc<T>> {
+    /// What was made from the content described, if it is there.
+    fn look<T: Keep>(&mut self, budget: &Budget<'_>) -> Option<Arc<T>> {
+        // Most often it is the same as last.
+        let last = self.found(self.entries[END].older, budget);
+        last.or_else(|| {
+            let at = self.places.get(&self.content.hash()).copied()?;
+            self.found(at, budget)
+        })
+    }
+
+    /// What an entry keeps, if it is what is looked for and the budget is enough to make it.
+    fn found<T: Keep>(&mut self, at: usize, budget: &Budget<'_>) -> Option<Arc<T>> {
         let entry = &mut self.entries[at];
         if entry.memory.content != self.content.0 {
             return None;
         }
         let made = Arc::downcast(entry.memory.made.clone()?).ok()?;
+        if entry.request != self.request && !budget.repeat(&entry.cost) {
+            return None;
+        }
         entry.request = self.request;
         self.stats.hits += 1;
         self.unlink(at);
@@ -235,14 +258,14 @@ impl Cache {
         if fits { memory } else { Memory::default() }
     }
 
-    fn keep(&mut self, hash: u64, memory: Memory, bytes: usize) {
+    fn keep(&mut self, hash: u64, memory: Memory, bytes: usize, cost: Cost) {
         let at = self.vacant.pop().unwrap_or(self.entries.len());
         if at == self.entries.len() {
             self.entries.push(Entry::default());
         }
         let bytes = bytes + memory.content.capacity() * size_of::<u64>() + size_of::<Entry>();
         let request = self.request;
-        self.entries[at] = Entry { hash, memory, bytes, request, ..Entry::default() };
+        self.entries[at] = Entry { hash, memory, bytes, request, cost, ..Entry::default() };
         self.link(at);
         self.places.insert(hash, at);
         self.stats.entries += 1;

@@ -1,6 +1,6 @@
 //! What one request may cost.
 
-use planning::free_space::solids;
+use planning::budget::Limits;
 use schemas::message::Refusal;
 use serde::Deserialize;
 
@@ -14,6 +14,10 @@ pub struct Caps {
     /// Cells of 8 bytes of a request that is read. Bounds the memory that a scene takes, which
     /// is at most some ten times as much. 2^26: 512 MiB.
     pub cells: usize,
+    /// Steps of any kind, all answers to a request together. Bounds time: 5 to 50 ns each. 2^28.
+    pub steps: u64,
+    /// Bytes of working memory held for a request at a time. 2^29: 512 MiB.
+    pub bytes: u64,
     /// Answers to one request (`each`, `curve`). Bounds time. 10,000.
     pub answers: u64,
     /// Samples of one trajectory. Bounds time and the reply: 72 bytes each. 1,000,000.
@@ -36,6 +40,8 @@ impl Default for Caps {
     fn default() -> Self {
         Self {
             cells: 1 << 26,
+            steps: 1 << 28,
+            bytes: 1 << 29,
             answers: 10_000,
             samples: 1_000_000,
             pieces: 1 << 20,
@@ -50,11 +56,14 @@ impl Default for Caps {
 impl Caps {
     /// Each with its name in the configuration, its value, and the range that it must be in:
     /// what can be counted.
-    pub fn ranges(&self) -> [(&'static str, f64, f64, f64); 8] {
+    pub fn ranges(&self) -> [(&'static str, f64, f64, f64); 10] {
         let most = (1_u64 << 31) as f64;
         let long = (1_u64 << 40) as f64;
+        let longest = (1_u64 << 53) as f64;
         [
             ("caps.cells", self.cells as f64, 1.0, long),
+            ("caps.steps", self.steps as f64, 1.0, longest),
+            ("caps.bytes", self.bytes as f64, 1.0, longest),
             ("caps.answers", self.answers as f64, 1.0, most),
             ("caps.samples", self.samples as f64, 2.0, long),
             ("caps.pieces", self.pieces as f64, 1.0, most),
@@ -76,8 +85,18 @@ impl Caps {
         Err(Refusal { needs: Some(cells as f64), has: Some(most as f64), ..refusal })
     }
 
-    pub(crate) fn solids(&self) -> solids::Caps {
-        let Self { pieces, channels, channel_steps: steps, .. } = *self;
-        solids::Caps { pieces, channels, steps }
+    /// What a request's budget begins with.
+    pub fn limits(&self) -> Limits {
+        let Self { steps, bytes, pieces, channels, channel_steps, junctions, route_steps, .. } =
+            *self;
+        Limits {
+            steps,
+            bytes,
+            pieces: pieces as u64,
+            channels: channels as u64,
+            channel_steps: channel_steps as u64,
+            junctions: junctions as u64,
+            route_steps: route_steps as u64,
+        }
     }
 }

@@ -3,7 +3,8 @@
 
 use std::mem;
 
-use planning::geometry::polygon::Polygon;
+use planning::budget::Budget;
+use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
 use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
@@ -71,14 +72,18 @@ pub(super) fn polygon(
     field: impl FnOnce() -> String,
     points: &[message::Vector],
     vertices: &mut Vec<Vector<2>>,
+    budget: &Budget<'_>,
 ) -> Result<Polygon, Refusal> {
     let mut vertices = mem::take(vertices);
     vertices.clear();
     vertices.extend(points.iter().map(vector::<2>));
-    Polygon::new(vertices).map_err(|error| {
-        let field = field();
-        let message = format!("{field}: {error}");
-        Refusal::invalid(field, message)
+    Polygon::new(vertices, budget).map_err(|error| match error {
+        PolygonError::Spent(error) => refuse::spent(error),
+        error => {
+            let field = field();
+            let message = format!("{field}: {error}");
+            Refusal::invalid(field, message)
+        }
     })
 }
 
@@ -88,14 +93,14 @@ pub(super) fn push_solids<const D: usize, T>(
     scene: &SceneRequest,
     axes: &Axes,
     into: &mut T,
-    push_box: impl Fn(&mut T, &AxisBox<D>),
+    push_box: impl Fn(&mut T, &AxisBox<D>) -> Result<(), Refusal>,
     mut push_polygon: impl FnMut(&mut T, &dyn Fn() -> String, &[message::Vector]) -> Result<(), Refusal>,
 ) -> Result<(), Refusal> {
     for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
         match solid {
             Solid::Box(sides) => {
                 let field = || format!("free_space.solids[{index}].box");
-                push_box(into, &axis_box(field, axes, sides)?);
+                push_box(into, &axis_box(field, axes, sides)?)?;
             }
             Solid::Polygon(points) => {
                 let field = || format!("free_space.solids[{index}].polygon");

@@ -2,6 +2,7 @@
 
 use std::mem;
 
+use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::driving::{
     self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
@@ -60,7 +61,8 @@ enum Keep<'a> {
 const LEAST_GAP: f64 = f64::MIN_POSITIVE;
 
 /// What all answers to a request share.
-struct Terms {
+struct Terms<'a> {
+    budget: &'a Budget<'a>,
     footprint: Footprint,
     start: driving::Pose,
     goal: driving::Goal,
@@ -80,17 +82,18 @@ impl Driving {
         cache: &mut Cache,
         sink: &mut S,
     ) -> Result<Result<(), S::Error>, Refusal> {
-        let terms = Terms::of(scene)?;
+        let budget = wishes.budget;
+        let terms = Terms::of(scene, budget)?;
         let free_space = &mut self.free_space;
-        free_space.read(scene, &FLOOR, wishes.caps, cache)?;
+        free_space.read(scene, &FLOOR, budget, cache)?;
         let size = [terms.footprint.width(), terms.footprint.length()];
-        free_space.take_in_solids(scene, &FLOOR, &size, cache)?;
+        free_space.take_in_solids(scene, &FLOOR, &size, budget, cache)?;
         if free_space.is_made() {
             let bounds = *free_space.bounds().expect("checked: solids alone bound no floor");
-            free_space.make(bounds, Vector::repeat(terms.footprint.width()), cache)?;
+            free_space.make(bounds, Vector::repeat(terms.footprint.width()), budget, cache)?;
         }
         if !check::has_solids(scene) {
-            free_space.wall_in(None, cache);
+            free_space.wall_in(None, budget, cache)?;
         }
         if !free_space.is_routed() {
             self.course.lead(free_space.travelled(), &terms)?;
@@ -109,7 +112,7 @@ impl Driving {
     }
 
     /// Plans one answer; `course` and `profile` then hold it.
-    fn plan(&mut self, terms: &Terms, wishes: &Wishes, index: u32) -> Result<(), Refused> {
+    fn plan(&mut self, terms: &Terms<'_>, wishes: &Wishes, index: u32) -> Result<(), Refused> {
         let field = || wishes.field(index);
         let keep = Keep::of(wishes.get(index), field)?;
         let gap = match keep {
@@ -131,14 +134,16 @@ impl Driving {
             self.find_course(terms, keep, gap, field)?;
             self.found_for = Some(gap);
         }
-        self.profile.plan(self.course.path.legs(), &terms.limits, Stops::AtTurns);
+        self.profile
+            .plan(self.course.path.legs(), &terms.limits, Stops::AtTurns, terms.budget)
+            .map_err(refuse::spent)?;
         wishes.check_samples(&self.profile, terms.sampling)
     }
 
     /// Finds the channels to travel for a robot that is to keep this gap; none: any.
     fn find_course(
         &mut self,
-        terms: &Terms,
+        terms: &Terms<'_>,
         keep: Keep,
         gap: Option<f64>,
         field: impl Fn() -> String,
@@ -155,26 +160,32 @@ impl Driving {
         let mut robot = route::Driving::new(start, goal, Vector::repeat(needs), sides);
         let Self { free_space, spare, .. } = self;
         let mut first = None;
-        let found = free_space.find(&mut robot, |channels, walls, _| {
+        let found = free_space.find(&mut robot, terms.budget, |channels, walls, _| {
             let refused = match spare.lead(channels, terms) {
                 Ok(()) => match spare.judge(terms, keep, walls) {
                     Ok(length) => {
-                        return Judgement::Accepted { length, value: mem::take(spare) };
+                        return Ok(Judgement::Accepted { length, value: mem::take(spare) });
                     }
                     Err(error) => (
-                        Judgement::of_refusal(&error, spare.path.legs()),
+                        Judgement::of_refusal(&error, spare.path.legs())?,
                         refuse::driving(field(), error),
                     ),
                 },
                 Err(refusal) => (Judgement::Hopeless, refusal.into()),
             };
             first.get_or_insert(refused.1);
-            refused.0
+            Ok(refused.0)
         });
         let course = found.map_err(|error| match (error, first) {
             (RouteError::Blocked, Some(refused)) => refused,
             (error, _) => {
-                let refused = free_space.refuse_route(&FLOOR, field(), error, robot.traveller());
+                let refused = free_space.refuse_route(
+                    &FLOOR,
+                    field(),
+                    error,
+                    robot.traveller(),
+                    terms.budget,
+                );
                 with_less_gap(refused, footprint, gap, field)
             }
         })?;
@@ -184,7 +195,7 @@ impl Driving {
 
     fn send<S: PartSink>(
         &self,
-        terms: &Terms,
+        terms: &Terms<'_>,
         sampled: bool,
         last: bool,
         parts: &mut Parts<S>,
@@ -228,11 +239,11 @@ impl<'a> Keep<'a> {
 
 impl Course {
     /// Makes the chain of the channels travelled, and its corners.
-    fn lead(&mut self, channels: &[AxisBox<2>], terms: &Terms) -> Result<(), Refusal> {
+    fn lead(&mut self, channels: &[AxisBox<2>], terms: &Terms<'_>) -> Result<(), Refusal> {
         let Self { chain, corners, safest, .. } = self;
         *safest = None;
         chain
-            .build(channels, &terms.start.position, End::Goal(terms.goal.position))
+            .build(channels, &terms.start.position, End::Goal(terms.goal.position), terms.budget)
             .map_err(|error| refuse::chain(&FLOOR, error))?;
         corners_of(chain, corners);
         Ok(())
@@ -240,20 +251,31 @@ impl Course {
 
     /// Drives along it, and returns the length that its route is chosen by, metres: that of
     /// the drive, or with the least gap where the gap depends on the route.
-    fn judge(&mut self, terms: &Terms, keep: Keep, walls: &Walls<2>) -> Result<f64, DrivingError> {
+    fn judge(
+        &mut self,
+        terms: &Terms<'_>,
+        keep: Keep,
+        walls: &Walls<2>,
+    ) -> Result<f64, DrivingError> {
         let Keep::Part(_) = keep else {
             self.drive(terms, keep, walls)?;
             return Ok(self.path.length());
         };
         let Self { chain, corners, path, .. } = self;
-        driving::route(&task(terms, chain, corners, walls), Gaps::Uniform(LEAST_GAP), path)?;
+        let task = task(terms, chain, corners, walls);
+        driving::route(&task, Gaps::Uniform(LEAST_GAP), path, terms.budget)?;
         let length = path.length();
         self.drive(terms, keep, walls)?;
         Ok(length)
     }
 
     /// Drives along it.
-    fn drive(&mut self, terms: &Terms, keep: Keep, walls: &Walls<2>) -> Result<(), DrivingError> {
+    fn drive(
+        &mut self,
+        terms: &Terms<'_>,
+        keep: Keep,
+        walls: &Walls<2>,
+    ) -> Result<(), DrivingError> {
         let Self { chain, corners, gaps, path, safest } = self;
         let task = task(terms, chain, corners, walls);
         gaps.clear();
@@ -263,18 +285,18 @@ impl Course {
             Keep::Part(part) => {
                 let safest = match *safest {
                     Some(safest) => safest,
-                    None => *safest.insert(driving::safest(&task, path)?),
+                    None => *safest.insert(driving::safest(&task, path, terms.budget)?),
                 };
                 gaps.resize(corners.len(), safest * part);
             }
         }
-        driving::drive(&task, Gaps::PerCorner(gaps), path)
+        driving::drive(&task, Gaps::PerCorner(gaps), path, terms.budget)
     }
 }
 
 /// What is asked of a robot that is to travel these channels.
 fn task<'a>(
-    terms: &Terms,
+    terms: &Terms<'_>,
     chain: &Chain<2>,
     corners: &'a [Corner],
     walls: &'a Walls<2>,
@@ -292,8 +314,8 @@ fn task<'a>(
     }
 }
 
-impl Terms {
-    fn of(scene: &SceneRequest) -> Result<Self, Refusal> {
+impl<'a> Terms<'a> {
+    fn of(scene: &SceneRequest, budget: &'a Budget<'a>) -> Result<Self, Refusal> {
         let Body::Footprint(footprint) = &scene.body else {
             return Err(Refusal::invalid("body", "body: a mobile robot's body is a footprint"));
         };
@@ -317,6 +339,7 @@ impl Terms {
         check::finite("goal.position", goal.position.as_slice())?;
         check::finite("goal.heading", goal.heading.as_slice())?;
         Ok(Self {
+            budget,
             footprint,
             start: driving::Pose {
                 position: check::vector(&start.position),

@@ -1,11 +1,11 @@
 //! Where a body can move: channels as the request gives them or made from its solids,
 //! in travel order or as a route finds them; and the walls around.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 
+use planning::budget::{Budget, Spent};
 use planning::free_space::graph::Graph;
-use planning::free_space::solids::Solids;
+use planning::free_space::solids::{Solids, SolidsError};
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::route::{Judgement, Motion, RouteError, Router};
@@ -14,7 +14,6 @@ use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 use super::cache::{Cache, Content, Kind};
 use super::check;
 use super::refuse::{self, Axes};
-use crate::Caps;
 
 mod second_look;
 
@@ -27,7 +26,6 @@ const SLANT: f64 = 0.01;
 /// belongs to the cache, and is held while the request lasts.
 #[derive(Debug)]
 pub(super) struct FreeSpace<const D: usize, M: Motion<D>> {
-    caps: Caps,
     source: Source,
     outline: Vec<Vector<2>>,
     solids: Solids<D>,
@@ -64,7 +62,6 @@ enum Source {
 impl<const D: usize, M: Motion<D>> Default for FreeSpace<D, M> {
     fn default() -> Self {
         Self {
-            caps: Caps::default(),
             source: Source::default(),
             outline: Vec::new(),
             solids: Solids::default(),
@@ -89,11 +86,10 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         &mut self,
         scene: &SceneRequest,
         axes: &Axes,
-        caps: &Caps,
+        budget: &Budget<'_>,
         cache: &mut Cache,
     ) -> Result<(), Refusal> {
         let given = &scene.free_space;
-        self.caps = *caps;
         self.given.clear();
         self.release();
         self.second_look.clear();
@@ -117,9 +113,8 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         };
         if self.source == Source::Unordered {
             cache.describe(Kind::Junctions, D).boxes(&self.given);
-            let graph = cache.get(|graph: &mut Graph<D>| {
-                let built = graph.build(&self.given, self.caps.junctions);
-                built.map_err(|error| refuse::solids("free_space.channels", &error))
+            let graph = cache.get(budget, |graph: &mut Graph<D>| {
+                graph.build(&self.given, budget).map_err(refuse::spent)
             })?;
             self.graph = Some(graph);
         }
@@ -168,30 +163,34 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         &mut self,
         bounds: AxisBox<D>,
         room: Vector<D>,
+        budget: &Budget<'_>,
         cache: &mut Cache,
     ) -> Result<(), Refusal> {
-        let Self { caps, solids, made, second_look, .. } = self;
+        let Self { solids, made, second_look, .. } = self;
         second_look.prepare(bounds, room);
         let content = cache.describe(Kind::SolidsJunctions, D);
         content.boxes(&[bounds]);
         content.numbers(room.as_slice());
         content.boxes(solids.boxes());
-        let graph = cache.get(|graph: &mut Graph<D>| {
-            solids
-                .channels(&bounds, &room, &caps.solids(), made)
-                .map_err(|error| refuse::solids("free_space.solids", &error))?;
-            graph
-                .build(made, caps.junctions)
-                .map_err(|error| refuse::solids("free_space.channels", &error))
+        let graph = cache.get(budget, |graph: &mut Graph<D>| {
+            let made = solids
+                .channels(&bounds, &room, budget, made)
+                .and_then(|()| graph.build(made, budget));
+            made.map_err(refuse::spent)
         })?;
         self.graph = Some(graph);
         Ok(())
     }
 
     /// Makes the channels' complement the walls, up to the mouth if there is one.
-    pub(super) fn wall_in(&mut self, mouth: Option<HalfSpace>, cache: &mut Cache) {
+    pub(super) fn wall_in(
+        &mut self,
+        mouth: Option<HalfSpace>,
+        budget: &Budget<'_>,
+        cache: &mut Cache,
+    ) -> Result<(), Refusal> {
         if self.walls.is_some() && self.mouth == mouth {
-            return;
+            return Ok(());
         }
         let channels = self.graph.as_deref().map_or(&self.given[..], Graph::channels);
         let complement = &mut self.complement;
@@ -202,11 +201,11 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
             content.numbers(&[bound]);
         }
         content.boxes(channels);
-        let Ok(walls) = cache.get(|walls: &mut Walls<D>| {
-            walls.set_complement(channels, mouth, complement);
-            Ok::<_, Infallible>(())
-        });
+        let walls = cache.get(budget, |walls: &mut Walls<D>| {
+            walls.set_complement(channels, mouth, complement, budget).map_err(refuse::spent)
+        })?;
         (self.walls, self.mouth) = (Some(walls), mouth);
+        Ok(())
     }
 
     /// Finds the channels to travel: the shortest route that can be followed, as `judge`
@@ -214,14 +213,15 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
     pub(super) fn find<T>(
         &mut self,
         motion: &mut M,
-        mut judge: impl FnMut(&[AxisBox<D>], &Walls<D>, f64) -> Judgement<T>,
+        budget: &Budget<'_>,
+        mut judge: impl FnMut(&[AxisBox<D>], &Walls<D>, f64) -> Result<Judgement<T>, Spent>,
     ) -> Result<T, RouteError> {
-        let Self { caps, graph, walls, router, travelled, .. } = self;
+        let Self { graph, walls, router, travelled, .. } = self;
         let graph = graph.as_deref().expect("channels are in order, or connected");
         let no_walls = Walls::default();
         let known = walls.as_deref();
         let walls = known.unwrap_or(&no_walls);
-        router.find_judged(graph, known, motion, caps.route_steps, |route, length| {
+        router.find_judged(graph, known, motion, budget, |route, length| {
             travelled.clear();
             travelled.extend(route.iter().map(|channel| graph.channels()[*channel]));
             judge(travelled, walls, length)
@@ -262,23 +262,24 @@ impl<M: Motion<2>> FreeSpace<2, M> {
         scene: &SceneRequest,
         axes: &Axes,
         size: &[f64],
+        budget: &Budget<'_>,
         cache: &mut Cache,
     ) -> Result<(), Refusal> {
         if !check::has_solids(scene) {
             return Ok(());
         }
         let is_made = self.is_made();
-        let Self { caps, outline, solids, .. } = self;
+        let Self { outline, solids, .. } = self;
         // What is outside of a floor's bounds is wall.
         let around = self.bounds.filter(|_| is_made && scene.task == Task::Drive);
         let content = cache.describe(Kind::SolidsWalls, 2);
         content.word(u64::from(around.is_some()));
         content.boxes(around.as_slice());
         describe_solids::<2>(scene, content);
-        let walls = cache.get(|walls: &mut Walls<2>| {
+        let walls = cache.get(budget, |walls: &mut Walls<2>| {
             walls.clear();
-            check::push_solids(scene, axes, walls, Walls::push_box, |walls, field, points| {
-                let solid = check::polygon(field, points, outline)?;
+            check::push_solids(scene, axes, walls, push_walls, |walls, field, points| {
+                let solid = check::polygon(field, points, outline, budget)?;
                 walls.push_polygon(&solid);
                 *outline = solid.into_vertices();
                 Ok(())
@@ -286,19 +287,25 @@ impl<M: Motion<2>> FreeSpace<2, M> {
             if let Some(bounds) = &around {
                 walls.push_inside(bounds);
             }
-            walls.index();
-            Ok(())
+            walls.index(budget).map_err(refuse::spent)
         })?;
         self.walls = Some(walls);
         if is_made {
             let tolerance = SLANT * size.iter().copied().fold(f64::INFINITY, f64::min);
             solids.clear();
-            let push_box = |solids: &mut Solids<2>, solid: &_| solids.push_box(*solid);
+            let push_box = |solids: &mut Solids<2>, solid: &_| {
+                solids.push_box(*solid, budget).map_err(refuse::spent)
+            };
             check::push_solids(scene, axes, solids, push_box, |solids, field, points| {
-                let solid = check::polygon(field, points, outline)?;
-                let pushed = solids.push_polygon(&solid, tolerance, &caps.solids());
+                let solid = check::polygon(field, points, outline, budget)?;
+                let pushed = solids.push_polygon(&solid, tolerance, budget);
                 *outline = solid.into_vertices();
-                pushed.map_err(|error| refuse::solids(&field(), &error))
+                pushed.map_err(|error| match error {
+                    SolidsError::Spent(error) => {
+                        Refusal { field: Some(field()), ..refuse::spent(error) }
+                    }
+                    error => Refusal::invalid(field(), format!("{}: {error}", field())),
+                })
             })?;
         }
         Ok(())
@@ -311,31 +318,38 @@ impl<M: Motion<3>> FreeSpace<3, M> {
         &mut self,
         scene: &SceneRequest,
         axes: &Axes,
+        budget: &Budget<'_>,
         cache: &mut Cache,
     ) -> Result<(), Refusal> {
         if !check::has_solids(scene) {
             return Ok(());
         }
         describe_solids::<3>(scene, cache.describe(Kind::SolidsWalls, 3));
-        let walls = cache.get(|walls: &mut Walls<3>| {
+        let walls = cache.get(budget, |walls: &mut Walls<3>| {
             walls.clear();
-            check::push_solids(scene, axes, walls, Walls::push_box, |_, field, _| {
+            check::push_solids(scene, axes, walls, push_walls, |_, field, _| {
                 Err(check::flat(field()))
             })?;
-            walls.index();
-            Ok(())
+            walls.index(budget).map_err(refuse::spent)
         })?;
         self.walls = Some(walls);
         if self.is_made() {
             let solids = &mut self.solids;
             solids.clear();
-            let push_box = |solids: &mut Solids<3>, solid: &_| solids.push_box(*solid);
+            let push_box = |solids: &mut Solids<3>, solid: &_| {
+                solids.push_box(*solid, budget).map_err(refuse::spent)
+            };
             check::push_solids(scene, axes, solids, push_box, |_, field, _| {
                 Err(check::flat(field()))
             })?;
         }
         Ok(())
     }
+}
+
+fn push_walls<const D: usize>(walls: &mut Walls<D>, solid: &AxisBox<D>) -> Result<(), Refusal> {
+    walls.push_box(solid);
+    Ok(())
 }
 
 fn describe_solids<const D: usize>(scene: &SceneRequest, content: &mut Content) {

@@ -13,6 +13,7 @@ mod free_space;
 mod parts;
 mod refuse;
 
+use planning::budget::Budget;
 use planning::trajectory::{Profile, Sampling};
 use schemas::convert::{self, PartSink};
 use schemas::message::{
@@ -146,7 +147,8 @@ impl Answering {
     ) -> Result<Result<(), S::Error>, Refusal> {
         let dimension = convert::dimension(scene)?;
         check::fields(scene)?;
-        let wishes = Wishes::of(&scene.clearance, caps)?;
+        let budget = Budget::new(caps.limits());
+        let wishes = Wishes::of(&scene.clearance, caps, &budget)?;
         match (scene.task, dimension) {
             (Task::Drive, 2) => self.floor.answer(key, scene, &wishes, &mut self.cache, sink),
             (Task::Drive, _) => {
@@ -184,7 +186,8 @@ fn answer_each<'a, S: PartSink>(
     let mut parts = Parts::new(key, id, wishes.count, sink);
     for index in 0..wishes.count {
         let last = index + 1 == wishes.count;
-        let sent = match answer(index, last, &mut parts) {
+        let begun = wishes.budget.step(1).map_err(|spent| refuse::spent(spent).into());
+        let sent = match begun.and_then(|()| answer(index, last, &mut parts)) {
             Ok(sent) => sent,
             Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
                 return Err(refused.refusal);
@@ -203,10 +206,16 @@ struct Wishes<'a> {
     clearance: &'a ClearanceWish,
     count: u32,
     caps: &'a Caps,
+    /// Of the request as a whole.
+    budget: &'a Budget<'a>,
 }
 
 impl<'a> Wishes<'a> {
-    fn of(clearance: &'a ClearanceWish, caps: &'a Caps) -> Result<Self, Refusal> {
+    fn of(
+        clearance: &'a ClearanceWish,
+        caps: &'a Caps,
+        budget: &'a Budget<'a>,
+    ) -> Result<Self, Refusal> {
         let (field, count) = match clearance {
             ClearanceWish::Each(choices) => ("clearance.each", choices.len() as u64),
             ClearanceWish::Curve(points) => ("clearance.curve", *points),
@@ -214,7 +223,7 @@ impl<'a> Wishes<'a> {
         };
         let most = caps.answers;
         if (1..=most).contains(&count) {
-            return Ok(Self { clearance, count: count as u32, caps });
+            return Ok(Self { clearance, count: count as u32, caps, budget });
         }
         let message = format!("{field} asks for {count} answers, from 1 to {most} can be had");
         Err(Refusal::invalid(field, message))
@@ -235,7 +244,12 @@ impl<'a> Wishes<'a> {
             samples if self.sampled() && samples > self.caps.samples => {
                 Err(refuse::too_many_samples(samples, self.caps.samples).into())
             }
-            _ => Ok(()),
+            samples => {
+                // The reply is held by whoever receives it, if not here.
+                let bytes = samples as usize * size_of::<wire::Sample>();
+                let held = self.budget.hold(if self.sampled() { bytes } else { 0 });
+                held.map_err(|spent| refuse::spent(spent).into())
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use planning::budget::{Cap, Spent};
 use planning::clearance::Clearance;
 use planning::disassembly::DisassemblyError;
 use planning::driving::DrivingError;
@@ -92,6 +93,7 @@ pub(super) fn axis_box(field: String, axes: &Axes, error: BoxError) -> Refusal {
 
 pub(super) fn chain(axes: &Axes, error: ChainError) -> Refusal {
     match error {
+        ChainError::Spent(error) => spent(error),
         ChainError::Empty => {
             Refusal::invalid("free_space.channels", format!("free_space.channels: {error}"))
         }
@@ -126,6 +128,7 @@ pub(super) fn chain(axes: &Axes, error: ChainError) -> Refusal {
 
 pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -> Refusal {
     match error {
+        DisassemblyError::Spent(error) => spent(error),
         DisassemblyError::NoChannels => {
             Refusal::invalid("free_space.channels", format!("free_space.channels: {error}"))
         }
@@ -188,9 +191,34 @@ pub(super) fn disassembly(axes: &Axes, field: String, error: DisassemblyError) -
     }
 }
 
-/// Solids or channels that are too many, or too fine.
-pub(super) fn solids(field: &str, error: &impl fmt::Display) -> Refusal {
-    Refusal::invalid(field, format!("{field}: {error}"))
+/// The budget of the request ended.
+pub(super) fn spent(spent: Spent) -> Refusal {
+    let Spent::Limit { cap, most } = spent else {
+        return Refusal::new(ErrorCode::Internal, spent.to_string());
+    };
+    let setting = format!("caps.{}", cap.name());
+    let (field, remedy) = match cap {
+        Cap::Steps => (None, "ask for fewer answers, or simplify the scene"),
+        Cap::Bytes => (None, "ask for fewer answers or samples, or simplify the scene"),
+        Cap::Pieces => (Some("free_space.solids"), "give fewer solids or slanted edges"),
+        Cap::Channels | Cap::ChannelSteps => {
+            (Some("free_space.solids"), "give fewer solids, or narrower bounds")
+        }
+        Cap::Junctions => (Some("free_space.channels"), "give channels that overlap fewer others"),
+        Cap::RouteSteps => {
+            (Some("free_space"), "give fewer channels or solids, or channels in travel order")
+        }
+    };
+    let message = format!(
+        "{spent}, the limit that the planner's configuration sets (`{setting}`); {remedy}, or \
+         raise the limit"
+    );
+    Refusal {
+        field: field.map(str::to_owned),
+        most: Some(most as f64),
+        setting: Some(setting),
+        ..Refusal::new(ErrorCode::TooCostly, message)
+    }
 }
 
 pub(super) fn no_mouth(axes: &Axes, exit: Direction, needs: f64, has: f64) -> Refusal {
@@ -314,9 +342,7 @@ pub(super) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
             (Refusal { axis: Some(axes[axis]), ..no_route(message) }, true)
         }
         RouteError::GapPerJunction { .. } => (Refusal::invalid(field, error.to_string()), false),
-        RouteError::TooManySteps { .. } => {
-            (Refusal::invalid("free_space", format!("free_space: {error}")), false)
-        }
+        RouteError::Spent(error) => (spent(error), false),
         // Those that are judged say what blocks them.
         RouteError::Blocked | RouteError::FractionOutOfRange { .. } => {
             (Refusal::new(ErrorCode::Internal, error.to_string()), false)
@@ -349,6 +375,7 @@ pub(super) fn driving(field: String, error: DrivingError) -> Refused {
     let refusal = |code| Refusal::new(code, error.to_string());
     let corner = |corner: usize| Some(corner as u64);
     let (refusal, whole) = match error {
+        DrivingError::Spent(error) => (spent(error), false),
         DrivingError::BodyOutside { .. } | DrivingError::BodyTouchesWall { .. } => {
             (refusal(ErrorCode::BodyOutsideFreeSpace), true)
         }

@@ -71,30 +71,72 @@ fn too_large_requests_are_refused() {
     check(&channels(), caps, Some("request"), "cells of memory, at most 20 are read");
 }
 
+/// The scene is too costly under these caps: this setting is met, whose value is `most`.
+#[track_caller]
+fn check_costly(scene: &SceneRequest, caps: Caps, field: Option<&str>, cap: &str, most: u64) {
+    let setting = format!("caps.{cap}");
+    check(scene, caps, field, &format!("more than {most} "));
+    check(scene, caps, field, &format!("(`{setting}`)"));
+    let answers = reply(scene, &caps).answers;
+    for refusal in answers
+        .map_or_else(|all| vec![all], |each| each.into_iter().filter_map(Result::err).collect())
+    {
+        assert_eq!((refusal.code, refusal.most), (ErrorCode::TooCostly, Some(most as f64)));
+        // Shared memory has no place for it yet; the message has it.
+        assert!(refusal.setting.is_none_or(|met| met == setting));
+    }
+}
+
 #[test]
 fn too_many_boxes_of_solids_are_refused() {
     let caps = Caps { pieces: 2, ..Caps::default() };
-    check(&solids(), caps, Some("free_space.solids[0].polygon"), "at most 2 are allowed");
+    check_costly(&solids(), caps, Some("free_space.solids[0].polygon"), "pieces", 2);
 }
 
 #[test]
 fn too_many_channels_are_refused() {
-    let caps = Caps { channels: 1, ..Caps::default() };
-    check(&solids(), caps, Some("free_space.solids"), "at most 1 are allowed");
+    let field = Some("free_space.solids");
+    check_costly(&solids(), Caps { channels: 1, ..Caps::default() }, field, "channels", 1);
     let caps = Caps { channel_steps: 1, ..Caps::default() };
-    check(&solids(), caps, Some("free_space.solids"), "at most 1 are allowed");
+    check_costly(&solids(), caps, field, "channel_steps", 1);
 }
 
 #[test]
 fn too_many_junctions_are_refused() {
     let caps = Caps { junctions: 2, ..Caps::default() };
-    check(&unordered(), caps, Some("free_space.channels"), "at most 2 are allowed");
+    check_costly(&unordered(), caps, Some("free_space.channels"), "junctions", 2);
 }
 
 #[test]
 fn too_long_a_search_is_refused() {
     let caps = Caps { route_steps: 1, ..Caps::default() };
-    check(&unordered(), caps, Some("free_space"), "at most 1 are allowed");
+    check_costly(&unordered(), caps, Some("free_space"), "route_steps", 1);
+}
+
+#[test]
+fn a_request_that_costs_too_much_altogether_is_refused() {
+    for scene in [channels(), unordered(), solids()] {
+        check_costly(&scene, Caps { steps: 5, ..Caps::default() }, None, "steps", 5);
+        check_costly(&scene, Caps { bytes: 100, ..Caps::default() }, None, "bytes", 100);
+    }
+}
+
+#[test]
+fn answers_found_before_the_budget_ended_stay_answers() {
+    let each = each();
+    let count = |steps| {
+        let reply = reply(&each, &Caps { steps, ..Caps::default() });
+        // Too little even for what all answers share.
+        let Ok(answers) = reply.answers else { return 0 };
+        let found = answers.iter().take_while(|answer| answer.is_ok()).count();
+        for answer in &answers[found..] {
+            assert_eq!(answer.as_ref().unwrap_err().code, ErrorCode::TooCostly);
+        }
+        found
+    };
+    let found: Vec<_> = (1..600).map(count).collect();
+    assert!((0..=3).all(|count| found.contains(&count)), "{found:?}");
+    assert!(found.is_sorted(), "{found:?}");
 }
 
 #[test]

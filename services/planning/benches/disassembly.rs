@@ -1,6 +1,7 @@
 //! Disassembly planning from a checked request, in memory that is used again.
 
 use divan::{Bencher, black_box};
+use planning::budget::Budget;
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, translating_clearance};
 use planning::disassembly::{Gap, Path, disassemble};
@@ -37,7 +38,7 @@ fn section_4() -> Scene {
 }
 
 fn female() -> Polygon {
-    Polygon::new(FEMALE.map(Vector::from).to_vec()).expect("a polygon")
+    Polygon::new(FEMALE.map(Vector::from).to_vec(), &Budget::default()).expect("a polygon")
 }
 
 /// Stairs of `count` channels, up and to the right by turns.
@@ -67,21 +68,34 @@ struct Memory {
 impl Memory {
     fn rules(&mut self, scene: &Scene) -> f64 {
         let end = End::Exit(scene.exit);
-        self.chain.build(&scene.channels, &scene.body.center(), end).expect("a chain");
-        disassemble(&self.chain, &scene.body, Gap::Uniform(0.2), &mut self.path).expect("a path");
+        self.chain
+            .build(&scene.channels, &scene.body.center(), end, &Budget::default())
+            .expect("a chain");
+        disassemble(
+            &self.chain,
+            &scene.body,
+            Gap::Uniform(0.2),
+            &mut self.path,
+            &Budget::default(),
+        )
+        .expect("a path");
         self.path.length()
     }
 
     fn clearance(&mut self, scene: &Scene) -> f64 {
         let body = Body::from_box(&scene.body);
-        translating_clearance(&body, &self.walls, self.path.legs(), &mut self.each)
+        let legs = self.path.legs();
+        translating_clearance(&body, &self.walls, legs, &mut self.each, &Budget::default())
+            .expect("no limit")
             .expect("there are walls")
             .value
     }
 
     fn complement(&mut self) {
         let Self { chain, walls, complement, .. } = self;
-        walls.set_complement(chain.channels(), chain.mouth(), complement);
+        walls
+            .set_complement(chain.channels(), chain.mouth(), complement, &Budget::default())
+            .expect("no limit");
     }
 }
 

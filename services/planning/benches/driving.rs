@@ -2,9 +2,10 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::driving::{
-    Corner, Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, curve, drive, route, safest,
+    Corner, Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, drive, route, safest,
 };
 use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
@@ -49,11 +50,15 @@ fn serpentine(corners: usize) -> Scene {
     let goal = if corners.is_multiple_of(2) { [last, end] } else { [end, last] };
     let goal = Goal { position: Vector::from(goal), heading: None };
     let mut chain = Chain::default();
-    chain.build(&channels, &start.position, End::Goal(goal.position)).expect("a chain");
+    chain
+        .build(&channels, &start.position, End::Goal(goal.position), &Budget::default())
+        .expect("a chain");
     let mut corners = Vec::new();
     corners_of(&chain, &mut corners);
     let mut walls = Walls::default();
-    walls.set_complement(&channels, None, &mut Complement::default());
+    walls
+        .set_complement(&channels, None, &mut Complement::default(), &Budget::default())
+        .expect("no limit");
     Scene { channels, corners, walls, start, goal }
 }
 
@@ -77,7 +82,8 @@ fn legs(bencher: Bencher<'_, '_>, corners: usize) {
     let scene = serpentine(corners);
     let mut path = Path::default();
     bencher.counter(ItemsCount::new(corners)).bench_local(|| {
-        route(black_box(&scene.task()), Gaps::Uniform(0.6), &mut path).expect("a way");
+        route(black_box(&scene.task()), Gaps::Uniform(0.6), &mut path, &Budget::default())
+            .expect("a way");
         path.length()
     });
 }
@@ -87,7 +93,8 @@ fn legs_and_clearance(bencher: Bencher<'_, '_>, corners: usize) {
     let scene = serpentine(corners);
     let mut path = Path::default();
     bencher.counter(ItemsCount::new(corners)).bench_local(|| {
-        drive(black_box(&scene.task()), Gaps::Uniform(0.6), &mut path).expect("a way");
+        drive(black_box(&scene.task()), Gaps::Uniform(0.6), &mut path, &Budget::default())
+            .expect("a way");
         path.clearance()
     });
 }
@@ -96,9 +103,9 @@ fn legs_and_clearance(bencher: Bencher<'_, '_>, corners: usize) {
 fn safest_gap(bencher: Bencher<'_, '_>, corners: usize) {
     let scene = serpentine(corners);
     let mut path = Path::default();
-    bencher
-        .counter(ItemsCount::new(corners))
-        .bench_local(|| safest(black_box(&scene.task()), &mut path).expect("a way"));
+    bencher.counter(ItemsCount::new(corners)).bench_local(|| {
+        safest(black_box(&scene.task()), &mut path, &Budget::default()).expect("a way")
+    });
 }
 
 /// A wall beside the way: the gap has no closed form and is searched.
@@ -110,17 +117,9 @@ fn safest_gap_beside_a_pillar(bencher: Bencher<'_, '_>) {
         &AxisBox::new(Vector::from([x - 1.9, y + 1.9]), Vector::from([x - 1.8, y + 2.0]))
             .expect("a pillar"),
     );
-    scene.walls.index();
+    scene.walls.index(&Budget::default()).expect("no limit");
     let mut path = Path::default();
-    bencher.bench_local(|| safest(black_box(&scene.task()), &mut path).expect("a way"));
-}
-
-#[divan::bench]
-fn curve_of_ten_over_twenty_corners(bencher: Bencher<'_, '_>) {
-    let scene = serpentine(20);
-    let (mut path, mut points) = (Path::default(), Vec::new());
     bencher.bench_local(|| {
-        curve(black_box(&scene.task()), 10, &mut path, &mut points).expect("a way");
-        points.len()
+        safest(black_box(&scene.task()), &mut path, &Budget::default()).expect("a way")
     });
 }

@@ -3,11 +3,12 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::disassembly::{self, Gap, disassemble};
 use planning::driving::{self, Drive, Gaps, Goal, Pose, StartTurn, corners_of, drive, limits};
 use planning::free_space::graph::Graph;
-use planning::free_space::solids::{Caps, Solids};
+use planning::free_space::solids::Solids;
 use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
@@ -97,9 +98,9 @@ fn section_4(bencher: Bencher<'_, '_>) {
     let (channels, male) = (CHANNELS.map(|[min, max]| space(min, max)), space(MALE[0], MALE[1]));
     let (mut graph, mut router) = (Graph::default(), Router::default());
     bencher.bench_local(|| {
-        graph.build(black_box(&channels), 100).expect("a graph");
+        graph.build(black_box(&channels), &Budget::default()).expect("a graph");
         let body = Translating::new(&male, Gap::Uniform(0.2), End::Exit(UP));
-        router.find(&graph, &mut body.expect("a body"), 1_000).expect("a route");
+        router.find(&graph, &mut body.expect("a body"), &Budget::default()).expect("a route");
         router.length()
     });
 }
@@ -109,7 +110,7 @@ fn graph(bencher: Bencher<'_, '_>, count: usize) {
     let (channels, mut graph) = (streets(count), Graph::default());
     bencher
         .counter(ItemsCount::new(channels.len()))
-        .bench_local(|| graph.build(black_box(&channels), usize::MAX).expect("a graph"));
+        .bench_local(|| graph.build(black_box(&channels), &Budget::default()).expect("a graph"));
 }
 
 #[divan::bench(sample_count = 10, args = SIZES)]
@@ -131,9 +132,9 @@ fn route_of_a_robot_to_the_far_corner(bencher: Bencher<'_, '_>, count: usize) {
 
 fn route(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>], mut motion: impl Motion<2>) {
     let (mut graph, mut router) = (Graph::default(), Router::default());
-    graph.build(channels, usize::MAX).expect("a graph");
+    graph.build(channels, &Budget::default()).expect("a graph");
     bencher.counter(ItemsCount::new(channels.len())).bench_local(|| {
-        router.find(&graph, black_box(&mut motion), usize::MAX).expect("a route");
+        router.find(&graph, black_box(&mut motion), &Budget::default()).expect("a route");
         router.length()
     });
 }
@@ -152,25 +153,26 @@ fn channels_between_blocks_in_three_dimensions(bencher: Bencher<'_, '_>, count: 
 
 fn between<const D: usize>(bencher: Bencher<'_, '_>, blocks: &[AxisBox<D>], bounds: &AxisBox<D>) {
     let (mut solids, mut channels) = (Solids::default(), Vec::new());
-    blocks.iter().for_each(|block| solids.push_box(*block));
+    blocks.iter().for_each(|block| solids.push_box(*block, &Budget::default()).unwrap());
     let body = Vector::repeat(1.5);
-    let caps = Caps { channels: 1 << 24, steps: usize::MAX, ..Caps::default() };
-    solids.channels(bounds, &body, &caps, &mut channels).expect("channels");
+    solids.channels(bounds, &body, &Budget::default(), &mut channels).expect("channels");
     bencher.counter(ItemsCount::new(channels.len())).bench_local(|| {
-        solids.channels(bounds, black_box(&body), &caps, &mut channels).expect("channels");
+        solids
+            .channels(bounds, black_box(&body), &Budget::default(), &mut channels)
+            .expect("channels");
     });
 }
 
 #[divan::bench(sample_count = 3, args = [100, 10_000, 1_000_000])]
 fn channels_in_a_comb(bencher: Bencher<'_, '_>, vertices: usize) {
-    let comb = Polygon::new(comb(vertices)).expect("a polygon");
+    let comb = Polygon::new(comb(vertices), &Budget::default()).expect("a polygon");
     let (mut solids, mut channels) = (Solids::default(), Vec::new());
     bencher.bench_local(|| {
         solids.clear();
-        solids.push_polygon(black_box(&comb), 0.1, &Caps::default()).expect("a solid");
+        solids.push_polygon(black_box(&comb), 0.1, &Budget::default()).expect("a solid");
         let bounds = solids.bounds().expect("a solid");
         let body = Vector::repeat(1.5);
-        solids.channels(&bounds, &body, &Caps::default(), &mut channels).expect("channels");
+        solids.channels(&bounds, &body, &Budget::default(), &mut channels).expect("channels");
         channels.len()
     });
 }
@@ -192,7 +194,7 @@ fn walls_of_a_chain(bencher: Bencher<'_, '_>, count: usize) {
 fn walls(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>]) {
     let (mut walls, mut memory) = (Walls::default(), Complement::default());
     bencher.counter(ItemsCount::new(channels.len())).bench_local(|| {
-        walls.set_complement(black_box(channels), None, &mut memory);
+        walls.set_complement(black_box(channels), None, &mut memory, &Budget::default()).unwrap();
         walls.as_slice().len()
     });
 }
@@ -338,39 +340,44 @@ impl Planner {
         self.solids.clear();
         self.walls.clear();
         for solid in &floor.solids {
-            self.solids.push_box(*solid);
+            self.solids.push_box(*solid, &Budget::default()).unwrap();
             self.walls.push_box(solid);
         }
-        self.walls.index();
+        self.walls.index(&Budget::default()).unwrap();
         let least = Vector::repeat(footprint.width());
         self.solids
-            .channels(&floor.bounds, &least, &Caps::default(), &mut self.channels)
+            .channels(&floor.bounds, &least, &Budget::default(), &mut self.channels)
             .expect("channels");
-        self.graph.build(&self.channels, usize::MAX).expect("a graph");
+        self.graph.build(&self.channels, &Budget::default()).expect("a graph");
         let needs = Vector::repeat(limits::outer_radius(&footprint, gap));
         let sides = (footprint.width(), gap);
         let mut robot = route::Driving::new(start.position, goal.position, needs, sides);
         let Self { channels, graph, router, travelled, chain, corners, walls, path, .. } = self;
-        let found = router.find_judged(graph, Some(walls), &mut robot, usize::MAX, |route, _| {
-            travelled.clear();
-            travelled.extend(route.iter().map(|channel| channels[*channel]));
-            chain.build(travelled, &start.position, End::Goal(goal.position)).expect("a chain");
-            corners_of(chain, corners);
-            let task = Drive {
-                footprint,
-                start,
-                goal,
-                start_turn: StartTurn::InPlace,
-                first: travelled[0],
-                last: travelled[travelled.len() - 1],
-                corners,
-                walls,
-            };
-            match drive(&task, Gaps::Uniform(gap), path) {
-                Ok(()) => Judgement::Accepted { length: path.length(), value: path.length() },
-                Err(error) => Judgement::of_refusal(&error, path.legs()),
-            }
-        });
+        let found =
+            router.find_judged(graph, Some(walls), &mut robot, &Budget::default(), |route, _| {
+                travelled.clear();
+                travelled.extend(route.iter().map(|channel| channels[*channel]));
+                chain
+                    .build(travelled, &start.position, End::Goal(goal.position), &Budget::default())
+                    .expect("a chain");
+                corners_of(chain, corners);
+                let task = Drive {
+                    footprint,
+                    start,
+                    goal,
+                    start_turn: StartTurn::InPlace,
+                    first: travelled[0],
+                    last: travelled[travelled.len() - 1],
+                    corners,
+                    walls,
+                };
+                match drive(&task, Gaps::Uniform(gap), path, &Budget::default()) {
+                    Ok(()) => {
+                        Ok(Judgement::Accepted { length: path.length(), value: path.length() })
+                    }
+                    Err(error) => Judgement::of_refusal(&error, path.legs()),
+                }
+            });
         found.expect("a route")
     }
 }
@@ -397,23 +404,24 @@ fn drive_from_pillars(bencher: Bencher<'_, '_>, side: usize) {
 
 #[divan::bench]
 fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
-    let female = Polygon::new(FEMALE.map(Vector::from).to_vec()).expect("a polygon");
+    let female =
+        Polygon::new(FEMALE.map(Vector::from).to_vec(), &Budget::default()).expect("a polygon");
     let male = space(MALE[0], MALE[1]);
     let (mut planner, mut router) = (Planner::default(), Router::default());
     let (mut path, gap) = (disassembly::Path::default(), Gap::Uniform(0.2));
     bencher.bench_local(|| {
         let Planner { solids, channels, graph, travelled, chain, .. } = &mut planner;
         solids.clear();
-        solids.push_polygon(black_box(&female), 0.02, &Caps::default()).expect("a solid");
+        solids.push_polygon(black_box(&female), 0.02, &Budget::default()).expect("a solid");
         let cavity = solids.cavity(&male, UP).expect("a cavity");
-        solids.channels(&cavity, &male.size(), &Caps::default(), channels).expect("channels");
-        graph.build(channels, usize::MAX).expect("a graph");
+        solids.channels(&cavity, &male.size(), &Budget::default(), channels).expect("channels");
+        graph.build(channels, &Budget::default()).expect("a graph");
         let mut body = Translating::new(&male, gap, End::Exit(UP)).expect("a body");
-        router.find(graph, &mut body, usize::MAX).expect("a route");
+        router.find(graph, &mut body, &Budget::default()).expect("a route");
         travelled.clear();
         travelled.extend(router.route().iter().map(|channel| channels[*channel]));
-        chain.build(travelled, &male.center(), End::Exit(UP)).expect("a chain");
-        disassemble(chain, &male, gap, &mut path).expect("a path");
+        chain.build(travelled, &male.center(), End::Exit(UP), &Budget::default()).expect("a chain");
+        disassemble(chain, &male, gap, &mut path, &Budget::default()).expect("a path");
         path.length()
     });
 }

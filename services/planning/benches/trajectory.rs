@@ -1,6 +1,7 @@
 //! Speed profiles and a thousand samples, over lines and over a chain of arcs.
 
 use divan::{Bencher, black_box};
+use planning::budget::Budget;
 use planning::geometry::Vector;
 use planning::motion::{Curve, Leg};
 use planning::trajectory::{Limits, Profile, Sampling, State, Stops};
@@ -45,7 +46,7 @@ fn staircase(corners: usize) -> (Vec<Leg<2>>, Stops) {
 
 fn sampled(bencher: Bencher, (legs, stops): (Vec<Leg<2>>, Stops), sampling: Sampling) {
     let mut profile = Profile::default();
-    profile.plan(&legs, &Limits::default(), stops);
+    profile.plan(&legs, &Limits::default(), stops, &Budget::default()).unwrap();
     let samples = profile.samples(&legs, sampling);
     let mut slots: Vec<State<2>> = samples.collect();
     bencher.bench_local(|| {
@@ -64,7 +65,7 @@ fn sampled(bencher: Bencher, (legs, stops): (Vec<Leg<2>>, Stops), sampling: Samp
 fn thousand_samples_over_lines_one_by_one(bencher: Bencher) {
     let (legs, stops) = lines();
     let mut profile = Profile::default();
-    profile.plan(&legs, &Limits::default(), stops);
+    profile.plan(&legs, &Limits::default(), stops, &Budget::default()).unwrap();
     let sampling = Sampling::count(1000).unwrap();
     let mut slots: Vec<State<2>> = profile.samples(&legs, sampling).collect();
     bencher.bench_local(|| {
@@ -95,7 +96,7 @@ fn spaced_samples_over_20_arcs(bencher: Bencher) {
 fn count_only(bencher: Bencher, corners: usize) {
     let (legs, stops) = staircase(corners);
     let mut profile = Profile::default();
-    profile.plan(&legs, &Limits::default(), stops);
+    profile.plan(&legs, &Limits::default(), stops, &Budget::default()).unwrap();
     let sampling = Sampling::period(0.02).unwrap();
     bencher.bench_local(|| profile.sample_count(black_box(sampling)));
 }
@@ -105,7 +106,7 @@ fn plan(bencher: Bencher, corners: usize) {
     let (legs, stops) = staircase(corners);
     let mut profile = Profile::default();
     bencher.bench_local(|| {
-        profile.plan(black_box(&legs), &Limits::default(), stops);
+        profile.plan(black_box(&legs), &Limits::default(), stops, &Budget::default()).unwrap();
         profile.duration()
     });
 }

@@ -32,6 +32,32 @@ pub enum Cap {
 
 impl Cap {
     const COUNT: usize = 7;
+
+    /// Its name in [`Limits`], and in the planner's configuration.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Steps => "steps",
+            Self::Bytes => "bytes",
+            Self::Pieces => "pieces",
+            Self::Channels => "channels",
+            Self::ChannelSteps => "channel_steps",
+            Self::Junctions => "junctions",
+            Self::RouteSteps => "route_steps",
+        }
+    }
+
+    /// What it counts, in words.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Steps => "steps",
+            Self::Bytes => "bytes of memory",
+            Self::Pieces => "boxes cut from solids",
+            Self::Channels => "channels",
+            Self::ChannelSteps => "steps to make channels",
+            Self::Junctions => "junctions",
+            Self::RouteSteps => "steps to find a route",
+        }
+    }
 }
 
 /// The most of each kind that a request may draw.
@@ -83,7 +109,7 @@ impl Limits {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum Spent {
     /// A limit is reached.
-    #[error("more than {most} {cap:?}")]
+    #[error("planning takes more than {most} {}", cap.unit())]
     Limit {
         /// Which.
         cap: Cap,
@@ -91,7 +117,7 @@ pub enum Spent {
         most: u64,
     },
     /// The stop flag is set.
-    #[error("stopped")]
+    #[error("planning was stopped")]
     Stopped,
 }
 
@@ -100,9 +126,58 @@ pub enum Spent {
 pub struct Budget<'a> {
     limits: Limits,
     drawn: [Cell<u64>; Cap::COUNT],
+    /// The most bytes held at a time since the last [`Budget::measure`] began.
+    peak: Cell<u64>,
     stop: Option<&'a AtomicBool>,
     /// Steps at which the flag is looked at next.
     next_look: Cell<u64>,
+}
+
+/// What a part of a request drew, and what it still held at its end.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Cost {
+    steps: u64,
+    /// Bytes held at a time.
+    peak: u64,
+    /// Bytes still held at the end.
+    kept: u64,
+}
+
+/// Working memory that is given back when this is dropped.
+#[derive(Debug)]
+pub(crate) struct Held<'a> {
+    budget: &'a Budget<'a>,
+    bytes: usize,
+}
+
+impl<'a> Held<'a> {
+    /// Takes `bytes`.
+    pub(crate) fn new(budget: &'a Budget<'a>, bytes: usize) -> Result<Self, Spent> {
+        budget.hold(bytes)?;
+        Ok(Self { budget, bytes })
+    }
+
+    /// Holds `bytes` in all, from here on.
+    pub(crate) fn resize(&mut self, bytes: usize) -> Result<(), Spent> {
+        if bytes > self.bytes {
+            self.budget.hold(bytes - self.bytes)?;
+        } else {
+            self.budget.release(self.bytes - bytes);
+        }
+        self.bytes = bytes;
+        Ok(())
+    }
+
+    /// Leaves it taken: the memory outlives this.
+    pub(crate) fn keep(mut self) {
+        self.bytes = 0;
+    }
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.budget.release(self.bytes);
+    }
 }
 
 /// The stop flag is looked at once in so many steps.
@@ -117,7 +192,13 @@ impl Default for Budget<'_> {
 impl<'a> Budget<'a> {
     /// A whole budget that nothing stops.
     pub fn new(limits: Limits) -> Self {
-        Self { limits, drawn: Default::default(), stop: None, next_look: Cell::new(0) }
+        Self {
+            limits,
+            drawn: Default::default(),
+            peak: Cell::new(0),
+            stop: None,
+            next_look: Cell::new(0),
+        }
     }
 
     /// A whole budget that ends when `stop` is set.
@@ -156,17 +237,62 @@ impl<'a> Budget<'a> {
         self.drawn[cap as usize].set(0);
     }
 
-    /// Takes `bytes` of working memory.
+    /// Takes `bytes` of working memory; nothing, if that would be more than there is.
     #[inline]
-    pub fn hold(&self, bytes: u64) -> Result<(), Spent> {
-        self.count(Cap::Bytes, bytes)
+    pub fn hold(&self, bytes: usize) -> Result<(), Spent> {
+        let held = &self.drawn[Cap::Bytes as usize];
+        let total = held.get().saturating_add(bytes as u64);
+        if total > self.limits.bytes {
+            return Err(Spent::Limit { cap: Cap::Bytes, most: self.limits.bytes });
+        }
+        held.set(total);
+        self.peak.set(self.peak.get().max(total));
+        Ok(())
     }
 
     /// Gives `bytes` back.
     #[inline]
-    pub fn release(&self, bytes: u64) {
+    pub fn release(&self, bytes: usize) {
         let held = &self.drawn[Cap::Bytes as usize];
-        held.set(held.get().saturating_sub(bytes));
+        held.set(held.get().saturating_sub(bytes as u64));
+    }
+
+    /// Refuses more of one kind than its limit, without drawing any.
+    #[inline]
+    pub fn check(&self, cap: Cap, count: usize) -> Result<(), Spent> {
+        let most = self.limits.of(cap);
+        if count as u64 <= most { Ok(()) } else { Err(Spent::Limit { cap, most }) }
+    }
+
+    /// Runs `run` and tells what it drew. Where its result is used again, as from a cache,
+    /// [`Budget::repeat`] draws the same, so that a reply does not depend on what was kept.
+    pub fn measure<T>(&self, run: impl FnOnce() -> T) -> (T, Cost) {
+        let [steps, held] = [Cap::Steps, Cap::Bytes].map(|cap| self.drawn(cap));
+        let before = self.peak.replace(held);
+        let result = run();
+        let peak = self.peak.get();
+        self.peak.set(before.max(peak));
+        let cost = Cost {
+            steps: self.drawn(Cap::Steps) - steps,
+            peak: peak - held,
+            kept: self.drawn(Cap::Bytes).saturating_sub(held),
+        };
+        (result, cost)
+    }
+
+    /// Draws what was measured. Draws nothing and returns false where that is more than is
+    /// left: to be cut short at the same place as without the result, make it anew.
+    pub fn repeat(&self, cost: &Cost) -> bool {
+        let [steps, held] = [Cap::Steps, Cap::Bytes].map(|cap| &self.drawn[cap as usize]);
+        let all_steps = steps.get().saturating_add(cost.steps);
+        let peak = held.get().saturating_add(cost.peak);
+        let enough = all_steps <= self.limits.steps && peak <= self.limits.bytes;
+        if enough {
+            steps.set(all_steps);
+            held.set(held.get() + cost.kept);
+            self.peak.set(self.peak.get().max(peak));
+        }
+        enough
     }
 
     #[inline]
@@ -227,8 +353,38 @@ mod tests {
         let budget = Budget::new(limits());
         budget.hold(64).unwrap();
         assert_eq!(budget.hold(1), Err(Spent::Limit { cap: Cap::Bytes, most: 64 }));
-        budget.release(65);
-        budget.hold(64).unwrap();
+        budget.release(40);
+        let mut held = Held::new(&budget, 30).unwrap();
+        assert_eq!(held.resize(41), Err(Spent::Limit { cap: Cap::Bytes, most: 64 }));
+        held.resize(40).unwrap();
+        drop(held);
+        Held::new(&budget, 10).unwrap().keep();
+        assert_eq!(budget.drawn(Cap::Bytes), 34);
+    }
+
+    #[test]
+    fn repeating_draws_what_was_measured() {
+        let work = |budget: &Budget<'_>| -> Result<(), Spent> {
+            budget.step(1_500)?;
+            let _for_a_while = Held::new(budget, 20)?;
+            budget.hold(3)
+        };
+        let [made, repeated] = [Budget::new(limits()), Budget::new(limits())];
+        let (done, cost) = made.measure(|| work(&made));
+        done.unwrap();
+        assert!(repeated.repeat(&cost));
+        for cap in [Cap::Steps, Cap::Bytes] {
+            assert_eq!(made.drawn(cap), repeated.drawn(cap));
+        }
+        // A third time there are steps enough, and a fourth time there are not.
+        assert!(repeated.repeat(&cost) && repeated.repeat(&cost));
+        assert!(!repeated.repeat(&cost) && work(&repeated).is_err());
+        // Nor is there memory, if only for a while.
+        let full = Budget::new(limits());
+        full.hold(42).unwrap();
+        assert!(!full.repeat(&cost));
+        assert_eq!((full.drawn(Cap::Steps), full.drawn(Cap::Bytes)), (0, 42));
+        assert!(work(&full).is_err());
     }
 
     #[test]

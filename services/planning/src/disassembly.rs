@@ -3,6 +3,7 @@
 //!
 //! Positions are displacements of the body from its assembled state, metres.
 
+use crate::budget::{Budget, Spent};
 use crate::free_space::{Chain, Corner};
 use crate::geometry::{AxisBox, HalfSpace, Sign, Vector};
 use crate::motion::{Curve, Leg, Rule};
@@ -92,6 +93,9 @@ pub enum DisassemblyError {
         /// It must not be greater than this.
         most: f64,
     },
+    /// The budget ended.
+    #[error(transparent)]
+    Spent(#[from] Spent),
 }
 
 /// A path of translations, with the gaps it keeps. Reusable memory for
@@ -145,7 +149,9 @@ pub fn disassemble<const D: usize>(
     body: &AxisBox<D>,
     gap: Gap<'_, D>,
     path: &mut Path<D>,
+    budget: &Budget<'_>,
 ) -> Result<(), DisassemblyError> {
+    budget.step(chain.channels().len() as u64)?;
     let (Some(first), Some(mouth)) = (chain.channels().first(), chain.mouth()) else {
         return Err(DisassemblyError::NoChannels);
     };

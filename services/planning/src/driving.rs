@@ -9,6 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::budget::Budget;
 use crate::clearance::Clearance;
 use crate::clearance::rectangle::{self, Footprint, Met};
 use crate::free_space::Chain;
@@ -205,9 +206,14 @@ const CONTACT: f64 = 1e-12;
 
 /// Finds the way with these gaps, measures its clearance, and refuses it if the
 /// robot would touch a wall.
-pub fn drive(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), DrivingError> {
-    route(drive, gaps, path)?;
-    refusal::check_start(drive)?;
+pub fn drive(
+    drive: &Drive<'_>,
+    gaps: Gaps<'_>,
+    path: &mut Path,
+    budget: &Budget<'_>,
+) -> Result<(), DrivingError> {
+    route(drive, gaps, path, budget)?;
+    refusal::check_start(drive, budget)?;
     let footprint = &drive.footprint;
     let is_arc = |leg: &Leg<2>| matches!(leg.curve, Curve::Arc { .. });
     let first_arc = path.legs.iter().position(is_arc);
@@ -218,9 +224,10 @@ pub fn drive(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), D
     let mut travelled = 0.0;
     let mut guess = footprint.width().max(footprint.length());
     for (index, leg) in path.legs.iter().enumerate() {
-        let met = rectangle::nearest(footprint, &leg.curve, drive.walls, guess);
+        let met = rectangle::nearest(footprint, &leg.curve, drive.walls, guess, budget)?;
         if met.value <= CONTACT {
-            return Err(refusal::contact(drive, &gaps, &path.legs, index, &met));
+            let legs = &path.legs;
+            return Err(refusal::contact(drive, &gaps, legs, (index, &met), budget)?);
         }
         let length = leg.curve.length();
         let at = travelled + met.along * length;
@@ -232,18 +239,20 @@ pub fn drive(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), D
         travelled += length;
         guess = rectangle::next_guess(&met, guess);
     }
-    path.clearance = if path.legs.is_empty() {
-        let (position, heading) = (&drive.start.position, drive.start.heading);
-        rectangle::over_placement(footprint, position, heading, drive.walls)
-    } else {
-        whole.clearance()
-    };
+    path.clearance = whole.clearance();
     path.turning = if first_arc.is_some() { turning.clearance() } else { path.clearance };
     Ok(())
 }
 
 /// Finds the way with these gaps without regard to walls: legs and length only.
-pub fn route(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), DrivingError> {
+///
+/// A robot that is at its goal already turns in place by nothing: one leg.
+pub fn route(
+    drive: &Drive<'_>,
+    gaps: Gaps<'_>,
+    path: &mut Path,
+    budget: &Budget<'_>,
+) -> Result<(), DrivingError> {
     let Path { legs, leg_clearances, length, clearance, turning, knots, kept } = path;
     legs.clear();
     leg_clearances.clear();
@@ -251,7 +260,7 @@ pub fn route(drive: &Drive<'_>, gaps: Gaps<'_>, path: &mut Path) -> Result<(), D
 
     refusal::check_ends(drive)?;
     refusal::check_gaps(drive, &gaps)?;
-    let last = taut::tighten(drive, &gaps, knots, kept)?;
+    let last = taut::tighten(drive, &gaps, knots, kept, budget)?;
     legs::write(drive, knots, &last, legs);
     *length = legs.iter().map(|leg| leg.curve.length()).sum();
     Ok(())

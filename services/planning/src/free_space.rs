@@ -1,6 +1,7 @@
 //! Free space as the paper models it (section 2): channels, and the junctions
 //! where each meets the next.
 
+use crate::budget::{Budget, Spent};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use thiserror::Error;
 
@@ -62,6 +63,9 @@ pub enum ChainError {
         /// The axis of both.
         axis: usize,
     },
+    /// The budget ended.
+    #[error(transparent)]
+    Spent(#[from] Spent),
 }
 
 /// Channels in travel order (equation 2.3) with their axes and junctions.
@@ -94,8 +98,10 @@ impl<const D: usize> Chain<D> {
         channels: &[AxisBox<D>],
         start: &Vector<D>,
         end: End<D>,
+        budget: &Budget<'_>,
     ) -> Result<(), ChainError> {
         self.clear();
+        budget.step(channels.len() as u64)?;
         let result = self.try_build(channels, start, end);
         if result.is_err() {
             self.clear();

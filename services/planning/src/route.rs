@@ -1,5 +1,6 @@
 //! The way through channels that are in any order.
 
+use crate::budget::{Budget, Cap, Held, Spent};
 use crate::free_space::End;
 use crate::free_space::graph::Graph;
 use crate::free_space::walls::Walls;
@@ -32,6 +33,7 @@ pub use traveller::Traveller;
 
 use label::{Ending, Entry, NONE};
 use search::farthest;
+use widest::is_of_the_search;
 
 const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 
@@ -45,6 +47,12 @@ const LEAST_EFFORT: usize = 3 << 18;
 
 /// As many ways are compared in the time that a pair of junctions takes.
 const LOOKS_OF_A_STEP: usize = 32;
+
+/// For every slot its first label, and which directions lead on.
+const BYTES_PER_SLOT: usize = size_of::<u32>() + size_of::<u8>();
+
+/// So many slots are cleared in the time that a pair of junctions takes.
+const SLOTS_PER_STEP: u64 = 16;
 
 /// No set of directions.
 const UNKNOWN: u8 = u8::MAX;
@@ -86,7 +94,7 @@ const SAME_LENGTH: f64 = 1e-9;
 /// Time goes with the pairs of junctions passed one after the other: n log n for n
 /// channels that meet a few others each; a channel with k junctions may cost k^2.
 /// Memory is `8 D + 56` bytes (for a robot 104) for every way found to a state (some ten
-/// per junction), never for more of them than 24 per pair, and 10 bytes per junction.
+/// per junction), and 10 bytes per junction.
 #[derive(Debug, Clone)]
 pub struct Router<const D: usize, M: Motion<D>> {
     labels: Vec<Label<M::State>>,
@@ -100,6 +108,8 @@ pub struct Router<const D: usize, M: Motion<D>> {
     seen: Vec<bool>,
     /// Pairs of junctions looked at.
     steps: usize,
+    /// Steps and looks that have been drawn from the budget.
+    drawn: usize,
     /// Ways found before that new ones were compared with.
     looks: usize,
     route: Vec<usize>,
@@ -119,6 +129,7 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
             starts: Vec::new(),
             seen: Vec::new(),
             steps: 0,
+            drawn: 0,
             looks: 0,
             route: Vec::new(),
             length: 0.0,
@@ -126,6 +137,9 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
         }
     }
 }
+
+/// What a route is judged by.
+type Judge<'a, T> = dyn FnMut(&[usize], f64) -> Result<Judgement<T>, Spent> + 'a;
 
 /// What came of one search.
 enum Found<T> {
@@ -135,7 +149,7 @@ enum Found<T> {
     Nothing,
     /// The shortest is blocked, and what blocks it is ruled out from here on.
     Blocked,
-    /// The shortest is blocked, and looking on is of no use.
+    /// Looking on is of no use, or would take too long.
     Hopeless,
 }
 
@@ -150,18 +164,29 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         self.length
     }
 
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        let labels = self.labels.capacity() * size_of::<Label<M::State>>();
+        let slots = self.heads.capacity() * size_of::<u32>() + self.onwards.capacity();
+        let open = self.open.capacity() * size_of::<Entry>();
+        let ends = self.ends.capacity() * size_of::<Ending>();
+        let channels = self.seen.capacity();
+        let indices = (self.starts.capacity() + self.route.capacity()) * size_of::<usize>();
+        let first = self.first.as_ref().map_or(0, |first| first.bytes());
+        labels + slots + open + ends + channels + indices + first
+    }
+
     /// Finds the shortest route: out of a channel that reaches farthest along an exit, or
-    /// to a goal (where the traveller's centre is to be). Looks at no more than
-    /// `most_steps` pairs of junctions, or compares as many ways as would take that time.
+    /// to a goal (where the traveller's centre is to be). Each search looks at no more pairs of
+    /// junctions than [`Cap::RouteSteps`], or compares as many ways as would take that time.
     pub fn find(
         &mut self,
         graph: &Graph<D>,
         motion: &mut M,
-        most_steps: usize,
+        budget: &Budget<'_>,
     ) -> Result<(), RouteError> {
-        self.find_judged(graph, None, motion, most_steps, |_, length| Judgement::Accepted {
-            length,
-            value: (),
+        self.find_judged(graph, None, motion, budget, |_, length| {
+            Ok(Judgement::Accepted { length, value: () })
         })
     }
 
@@ -175,13 +200,12 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         graph: &Graph<D>,
         walls: Option<&Walls<D>>,
         motion: &mut M,
-        most_steps: usize,
-        mut judge: impl FnMut(&[usize], f64) -> Judgement<T>,
+        budget: &Budget<'_>,
+        mut judge: impl FnMut(&[usize], f64) -> Result<Judgement<T>, Spent>,
     ) -> Result<T, RouteError> {
         self.route.clear();
         self.length = 0.0;
-        (self.steps, self.looks) = (0, 0);
-        let found = self.try_find((graph, walls), motion, most_steps, &mut judge);
+        let found = self.try_find((graph, walls), motion, budget, &mut judge);
         if found.is_err() {
             self.route.clear();
         }
@@ -192,29 +216,33 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         &mut self,
         (graph, walls): (&Graph<D>, Option<&Walls<D>>),
         motion: &mut M,
-        most_steps: usize,
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+        budget: &Budget<'_>,
+        judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
         if graph.channels().is_empty() {
             return Err(RouteError::NoChannels);
         }
         let traveller = *motion.traveller();
+        budget.step(graph.channels().len() as u64)?;
         let mouth = match traveller.end {
             End::Exit(exit) => farthest(graph.channels(), exit),
             End::Goal(_) => None,
         };
-        let search = Search { graph, traveller, mouth, walls };
+        let search = Search { graph, traveller, mouth, walls, budget };
         search.find_starts(&mut self.starts)?;
         search.check_goal()?;
+        let slots = graph.slot_count();
+        let _held = Held::new(budget, slots * BYTES_PER_SLOT + graph.channels().len())?;
+        budget.step(slots as u64 / SLOTS_PER_STEP)?;
         self.onwards.clear();
-        self.onwards.resize(graph.slot_count(), UNKNOWN);
+        self.onwards.resize(slots, UNKNOWN);
         if let Some(margin) = motion.outline() {
-            return self.find_from_outline(&search, motion, margin, most_steps, judge);
+            return self.find_from_outline(&search, motion, margin, judge);
         }
-        if !self.is_connected(&search) {
-            return self.judge_any(&search, most_steps, judge);
+        if !self.is_connected(&search)? {
+            return self.judge_any(&search, judge);
         }
-        self.find_shortest(&search, motion, (f64::INFINITY, most_steps), judge)
+        self.find_shortest(&search, motion, (f64::INFINITY, usize::MAX), judge)
     }
 
     /// Finds a route by the outline of the motion, and then looks for a shorter one.
@@ -223,37 +251,38 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         search: &Search<'_, D>,
         motion: &mut M,
         margin: f64,
-        most_steps: usize,
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+        judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
+        let budget = search.budget;
         let mut first = mem::take(&mut self.first).unwrap_or_default();
         let mut outline = Translating::with_margin(search.traveller, margin);
         let mut length = f64::INFINITY;
-        let found =
-            first.find_judged(search.graph, None, &mut outline, most_steps, |route, along| {
-                match judge(route, along) {
-                    Judgement::Accepted { length: exact, value } => {
-                        length = exact;
-                        Judgement::Accepted { length: along, value }
-                    }
-                    refused => refused,
+        let found = first.find_judged(search.graph, None, &mut outline, budget, |route, along| {
+            Ok(match judge(route, along)? {
+                Judgement::Accepted { length: exact, value } => {
+                    length = exact;
+                    Judgement::Accepted { length: along, value }
                 }
-            });
-        let effort =
-            first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT).min(most_steps);
+                refused => refused,
+            })
+        });
+        let effort = first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT);
         let found = match found {
-            Ok(value) => {
-                let shorter = self.find_shortest(search, motion, (length, effort), judge);
+            Ok(value) => match self.find_shortest(search, motion, (length, effort), judge) {
+                Err(RouteError::Spent(spent)) if !is_of_the_search(&spent) => Err(spent.into()),
                 // None is shorter, or it would take too long to tell.
-                Ok(shorter.unwrap_or_else(|_| {
+                Err(_) => {
                     self.route.clone_from(&first.route);
                     self.length = length;
-                    value
-                }))
-            }
+                    Ok(value)
+                }
+                shorter => shorter,
+            },
             Err(RouteError::Blocked) => {
-                let shortest = self.find_shortest(search, motion, (f64::INFINITY, effort), judge);
-                shortest.map_err(|_| RouteError::Blocked)
+                match self.find_shortest(search, motion, (f64::INFINITY, effort), judge) {
+                    Err(RouteError::Spent(spent)) if !is_of_the_search(&spent) => Err(spent.into()),
+                    shortest => shortest.map_err(|_| RouteError::Blocked),
+                }
             }
             Err(error) => Err(error),
         };
@@ -267,15 +296,17 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         search: &Search<'_, D>,
         motion: &mut M,
         bounds: (f64, usize),
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+        judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
+        search.budget.restart(Cap::RouteSteps);
+        (self.steps, self.looks, self.drawn) = (0, 0, 0);
         let is_bounded = bounds.0.is_finite();
         for blocked in 0..MOST_BLOCKED {
             match self.search(search, motion, bounds, judge)? {
                 Found::Route(value) => return Ok(value),
                 Found::Blocked => {}
                 Found::Nothing if blocked == 0 && !is_bounded => {
-                    return self.judge_any(search, bounds.1, judge);
+                    return self.judge_any(search, judge);
                 }
                 Found::Nothing | Found::Hopeless => break,
             }
@@ -284,7 +315,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     }
 
     /// Whether junctions that are large enough lead from a start to an end.
-    fn is_connected(&mut self, search: &Search<'_, D>) -> bool {
+    fn is_connected(&mut self, search: &Search<'_, D>) -> Result<bool, Spent> {
         let Self { starts, seen, route: open, .. } = self;
         seen.clear();
         seen.resize(search.graph.channels().len(), false);
@@ -294,9 +325,11 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         while let Some(channel) = open.pop() {
             if search.ends_in(channel) {
                 open.clear();
-                return true;
+                return Ok(true);
             }
-            for slot in search.graph.slots(channel) {
+            let slots = search.graph.slots(channel);
+            search.budget.step(slots.len() as u64)?;
+            for slot in slots {
                 let next = search.graph.neighbour_at(slot);
                 let passable = || search.passable(&search.graph.channels()[channel], slot);
                 if !seen[next] && passable().is_some() {
@@ -305,7 +338,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 }
             }
         }
-        false
+        Ok(false)
     }
 
     /// Says why there is no route. If nothing can be said but that the path can't be made
@@ -313,11 +346,10 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn judge_any<T>(
         &mut self,
         search: &Search<'_, D>,
-        most_steps: usize,
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+        judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
-        self.route = refusal::why_not(search, &self.starts, most_steps)?;
-        match judge(&self.route, f64::INFINITY) {
+        self.route = refusal::why_not(search, &self.starts)?;
+        match judge(&self.route, f64::INFINITY)? {
             Judgement::Accepted { length, value } => {
                 self.length = length;
                 Ok(value)
@@ -330,16 +362,29 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         &mut self,
         search: &Search<'_, D>,
         motion: &mut M,
-        (bound, most_steps): (f64, usize),
-        judge: &mut dyn FnMut(&[usize], f64) -> Judgement<T>,
+        bounds: (f64, usize),
+        judge: &mut Judge<'_, T>,
     ) -> Result<Found<T>, RouteError> {
         self.labels.clear();
         self.ends.clear();
         self.open.clear();
         self.heads.clear();
         self.heads.resize(search.graph.slot_count(), NONE);
+        let found = self.search_on(search, motion, bounds, judge);
+        let labels = self.labels.len() * Self::BYTES_PER_LABEL;
+        search.budget.release(labels + self.ends.len() * Self::BYTES_PER_ENDING);
+        found
+    }
+
+    fn search_on<T>(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &mut M,
+        (bound, effort): (f64, usize),
+        judge: &mut Judge<'_, T>,
+    ) -> Result<Found<T>, RouteError> {
         for index in 0..self.starts.len() {
-            self.start_in(search, motion, self.starts[index]);
+            self.start_in(search, motion, self.starts[index])?;
         }
         // The shortest of those that are longer than the search had it.
         let mut longer: Option<(u32, f64, T)> = None;
@@ -354,7 +399,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                     self.length = length;
                     return Ok(Found::Route(value));
                 }
-                match judge(&self.route, length) {
+                search.budget.step(self.route.len() as u64)?;
+                match judge(&self.route, length)? {
                     Judgement::Accepted { length: exact, value }
                         if exact <= length + SAME_LENGTH =>
                     {
@@ -381,12 +427,14 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             }
             let label = self.labels[entry.label as usize];
             if !label.beaten {
-                self.go_on(search, motion, entry.label, &label);
+                self.go_on(search, motion, entry.label, &label)?;
             }
-            let has = self.steps + self.looks / LOOKS_OF_A_STEP;
-            if has > most_steps {
-                return Err(RouteError::TooManySteps { has, most: most_steps });
+            let steps = self.steps + self.looks / LOOKS_OF_A_STEP;
+            if steps > effort {
+                return Ok(Found::Hopeless);
             }
+            search.budget.draw(Cap::RouteSteps, (steps - self.drawn) as u64)?;
+            self.drawn = steps;
         }
         Ok(Found::Nothing)
     }

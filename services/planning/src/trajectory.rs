@@ -12,6 +12,7 @@
 //! yaw acceleration applies to turns in place only.
 //!
 //! ```
+//! use planning::budget::Budget;
 //! use planning::geometry::Vector;
 //! use planning::motion::{Curve, Leg};
 //! use planning::trajectory::{Limits, Profile, Sampling, Stops};
@@ -21,7 +22,7 @@
 //! let curve = Curve::translation(Vector::from([0.0, 0.0]), Vector::from([0.0, 2.0]));
 //! let legs = [Leg { curve, junction: None, rule: None }];
 //! let mut profile = Profile::default();
-//! profile.plan(&legs, &limits, Stops::EveryLeg);
+//! profile.plan(&legs, &limits, Stops::EveryLeg, &Budget::default())?;
 //! assert_eq!((profile.duration(), profile.length()), (3.0, 2.0));
 //!
 //! let sampling = Sampling::period(1.0)?;

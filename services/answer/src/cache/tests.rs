@@ -1,5 +1,7 @@
 use std::convert::Infallible;
 
+use planning::budget::{Cap, Limits, Spent};
+
 use super::*;
 
 /// Something that says how much memory it holds.
@@ -20,7 +22,7 @@ impl Keep for Thing {
 fn find(cache: &mut Cache, words: &[u64], bytes: usize) -> bool {
     let mut made = false;
     cache.content = Content(words.to_vec());
-    let Ok(thing) = cache.get(|thing: &mut Thing| {
+    let Ok(thing) = cache.get(&Budget::default(), |thing: &mut Thing| {
         made = true;
         *thing = Thing { made_from: words.to_vec(), bytes };
         Ok::<_, Infallible>(())
@@ -87,10 +89,41 @@ fn collision_is_a_miss() {
 fn what_cannot_be_made_is_not_kept() {
     let mut cache = Cache::new(1 << 20);
     cache.content = Content(vec![1]);
-    let failed = cache.get(|_: &mut Thing| Err("too large"));
+    let failed = cache.get(&Budget::default(), |_: &mut Thing| Err("too large"));
     assert_eq!(failed.map(|thing| thing.bytes), Err("too large"));
     assert!(!find(&mut cache, &[1], 1000));
     assert_eq!(cache.stats().entries, 1);
+}
+
+#[test]
+fn what_is_there_costs_as_much_as_when_it_was_made() {
+    let limits = Limits { steps: 1000, bytes: 500, ..Limits::NONE };
+    let mut cache = Cache::new(1 << 20);
+    // So many times in one request, after so many other steps: what it drew.
+    let request = |cache: &mut Cache, times: usize, steps: u64| -> Result<[u64; 2], Spent> {
+        let budget = Budget::new(limits);
+        budget.step(steps)?;
+        for _ in 0..times {
+            cache.content = Content(vec![7]);
+            cache.get(&budget, |_: &mut Thing| {
+                budget.step(600)?;
+                budget.hold(400)?;
+                budget.release(300);
+                Ok::<_, Spent>(())
+            })?;
+        }
+        cache.end_request();
+        Ok([Cap::Steps, Cap::Bytes].map(|cap| budget.drawn(cap)))
+    };
+    let made = request(&mut cache, 1, 0);
+    assert_eq!(made, Ok([601, 100]));
+    assert_eq!((request(&mut cache, 1, 0), cache.stats().hits), (made, 1));
+    // Within one request it is made but once.
+    assert_eq!((request(&mut cache, 2, 0), cache.stats().hits), (Ok([602, 100]), 3));
+    // A request that could not have made it does not get it either.
+    let spent = Spent::Limit { cap: Cap::Steps, most: 1000 };
+    assert_eq!((request(&mut cache, 1, 500), cache.stats().hits), (Err(spent), 3));
+    assert_eq!(request(&mut Cache::new(0), 1, 500), Err(spent));
 }
 
 #[test]

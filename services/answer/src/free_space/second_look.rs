@@ -1,7 +1,8 @@
 //! A second look at solids that no route was found through.
 
+use planning::budget::{Budget, Spent};
 use planning::geometry::{AxisBox, Direction, Vector};
-use planning::route::{Motion, RouteError, Traveller, blocked};
+use planning::route::{Blocked, Motion, RouteError, Traveller, blocked};
 use schemas::message::Refusal;
 
 use super::FreeSpace;
@@ -41,10 +42,18 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         cavity: &AxisBox<D>,
         exit: Direction,
         motion: Option<M>,
+        budget: &Budget<'_>,
     ) -> Result<(), Refusal> {
         check::mouth(axes, self.channels(), cavity, exit).map_err(|refusal| {
-            let seen = motion.and_then(|motion| self.look_again(axes, motion.traveller()));
-            seen.map_or(refusal, |refused| refused.refusal)
+            let seen = match motion {
+                Some(motion) => self.look_again(axes, motion.traveller(), budget),
+                None => Ok(None),
+            };
+            match seen {
+                Ok(Some(refused)) => refused.refusal,
+                Ok(None) => refusal,
+                Err(spent) => refuse::spent(spent),
+            }
         })
     }
 
@@ -55,6 +64,7 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
         field: String,
         error: RouteError,
         traveller: &Traveller<D>,
+        budget: &Budget<'_>,
     ) -> Refused {
         let seen = match error {
             RouteError::NoChannels
@@ -64,33 +74,58 @@ impl<const D: usize, M: Motion<D>> FreeSpace<D, M> {
             | RouteError::Apart { .. }
             | RouteError::Separate { .. }
             // Given up; there may be none.
-            | RouteError::TooManySteps { .. } => self.look_again(axes, traveller),
+            | RouteError::Spent(Spent::Limit { .. }) => self.look_again(axes, traveller, budget),
             // Solids have nothing to do with these.
             RouteError::GapOutOfRange { .. }
             | RouteError::Parallel { .. }
             | RouteError::Blocked
             | RouteError::GapPerJunction { .. }
             | RouteError::GapNotPositive { .. }
-            | RouteError::FractionOutOfRange { .. } => None,
+            | RouteError::Spent(Spent::Stopped)
+            | RouteError::FractionOutOfRange { .. } => Ok(None),
         };
-        seen.unwrap_or_else(|| refuse::route(axes, field, error))
+        match seen {
+            Ok(Some(refused)) => refused,
+            Ok(None) => refuse::route(axes, field, error),
+            Err(spent) => refuse::spent(spent).into(),
+        }
     }
 
-    /// What is in the way between the solids, if that can be told.
-    fn look_again(&mut self, axes: &Axes, traveller: &Traveller<D>) -> Option<Refused> {
-        if !self.explains {
-            return None;
+    /// What is in the way between the solids, if that can be told within the limits.
+    /// `Err`: planning is stopped.
+    fn look_again(
+        &mut self,
+        axes: &Axes,
+        traveller: &Traveller<D>,
+        budget: &Budget<'_>,
+    ) -> Result<Option<Refused>, Spent> {
+        match self.seen_again(traveller, budget) {
+            Ok(Some((found, bounds))) => Ok(refuse::blocked(axes, &found, &self.solids, &bounds)),
+            Ok(None) | Err(Spent::Limit { .. }) => Ok(None),
+            Err(Spent::Stopped) => Err(Spent::Stopped),
         }
-        let Self { second_look, solids, caps, .. } = self;
-        let (bounds, room) = second_look.made_for?;
-        let boxes = second_look.boxes.get_or_insert_with(|| {
+    }
+
+    fn seen_again(
+        &mut self,
+        traveller: &Traveller<D>,
+        budget: &Budget<'_>,
+    ) -> Result<Option<(Blocked<D>, AxisBox<D>)>, Spent> {
+        let Self { second_look, solids, explains, .. } = self;
+        let Some((bounds, room)) = second_look.made_for.filter(|_| *explains) else {
+            return Ok(None);
+        };
+        if second_look.boxes.is_none() {
             let mut boxes = Vec::new();
-            solids
-                .channels(&bounds, &Vector::zeros(), &caps.solids(), &mut boxes)
-                .ok()
-                .map(|()| boxes)
-        });
-        let found = blocked(boxes.as_ref()?, &bounds, &room, traveller, caps.route_steps)?;
-        refuse::blocked(axes, &found, solids, &bounds)
+            second_look.boxes = match solids.channels(&bounds, &Vector::zeros(), budget, &mut boxes)
+            {
+                Ok(()) => Some(Some(boxes)),
+                Err(Spent::Limit { .. }) => Some(None),
+                Err(Spent::Stopped) => return Err(Spent::Stopped),
+            };
+        }
+        let Some(Some(boxes)) = &second_look.boxes else { return Ok(None) };
+        let found = blocked(boxes, &bounds, &room, traveller, budget)?;
+        Ok(found.map(|found| (found, bounds)))
     }
 }

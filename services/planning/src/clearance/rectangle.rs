@@ -9,6 +9,7 @@
 
 use thiserror::Error;
 
+use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
@@ -121,9 +122,10 @@ pub fn over_placement(
     position: &Vector<2>,
     heading: f64,
     walls: &Walls<2>,
-) -> Option<Clearance<2>> {
+    budget: &Budget<'_>,
+) -> Result<Option<Clearance<2>>, Spent> {
     let curve = Curve::Line { from: *position, to: *position, heading, turned: 0.0 };
-    over_curve(footprint, &curve, walls)
+    over_curve(footprint, &curve, walls, budget)
 }
 
 /// Clearance over one curve; `None` where there are no walls. Lines are
@@ -132,10 +134,12 @@ pub fn over_curve(
     footprint: &Footprint,
     curve: &Curve<2>,
     walls: &Walls<2>,
-) -> Option<Clearance<2>> {
-    let mut met = nearest(footprint, curve, walls, footprint.width.max(footprint.length));
+    budget: &Budget<'_>,
+) -> Result<Option<Clearance<2>>, Spent> {
+    let guess = footprint.width.max(footprint.length);
+    let mut met = nearest(footprint, curve, walls, guess, budget)?;
     met.along *= curve.length();
-    met.clearance()
+    Ok(met.clearance())
 }
 
 /// The next leg begins where this one ends, so it comes about as close.
@@ -151,24 +155,35 @@ pub(crate) fn nearest(
     curve: &Curve<2>,
     walls: &Walls<2>,
     guess: f64,
-) -> Met {
+    budget: &Budget<'_>,
+) -> Result<Met, Spent> {
+    let near = (walls, guess, budget);
     match *curve {
         Curve::Line { from, to, heading, turned } => {
             if turned == 0.0 {
                 let slide = slide::Slide::new(footprint, &from, &to, heading);
-                search(walls, slide.bounds(), guess, |wall, met| slide.meet(wall, met))
+                search(near, slide.bounds(), |wall, met| {
+                    slide.meet(wall, met);
+                    Ok(())
+                })
             } else {
                 let moving = moving::Moving::new(footprint, &from, &to, heading, turned);
-                search(walls, moving.bounds(), guess, |wall, met| moving.meet(wall, met))
+                search(near, moving.bounds(), |wall, met| moving.meet(wall, met, budget))
             }
         }
         Curve::Arc { center, radius, start_angle, sweep } => {
             let swing = swing::Swing::on_arc(footprint, &center, radius, start_angle, sweep);
-            search(walls, swing.bounds(), guess, |wall, met| swing.meet(wall, met))
+            search(near, swing.bounds(), |wall, met| {
+                swing.meet(wall, met);
+                Ok(())
+            })
         }
         Curve::Turn { position, from_heading, sweep } => {
             let swing = swing::Swing::in_place(footprint, &position, from_heading, sweep);
-            search(walls, swing.bounds(), guess, |wall, met| swing.meet(wall, met))
+            search(near, swing.bounds(), |wall, met| {
+                swing.meet(wall, met);
+                Ok(())
+            })
         }
     }
 }
@@ -176,21 +191,25 @@ pub(crate) fn nearest(
 /// Meets all walls that are near enough to matter. Walls farther than the guess
 /// are left out at first, so an answer within the guess is the answer.
 fn search(
-    walls: &Walls<2>,
+    (walls, guess, budget): (&Walls<2>, f64, &Budget<'_>),
     (min, max): (Vector<2>, Vector<2>),
-    guess: f64,
-    meet: impl Fn(&Wall<2>, &mut Met),
-) -> Met {
+    meet: impl Fn(&Wall<2>, &mut Met) -> Result<(), Spent>,
+) -> Result<Met, Spent> {
     let mut met = Met::NOTHING;
-    walls.near(&min, &max, guess, |_, wall| meet(wall, &mut met));
+    let mut spent = Ok(());
+    walls.near(&min, &max, guess, budget, |_, wall| {
+        if spent.is_ok() {
+            spent = meet(wall, &mut met);
+        }
+    })?;
     if met.value > guess {
         met = Met::NOTHING;
-        walls.nearest(&min, &max, |_, wall| {
-            meet(wall, &mut met);
-            met.value + TIE
-        });
+        walls.nearest(&min, &max, budget, |_, wall| {
+            spent = meet(wall, &mut met);
+            if spent.is_ok() { met.value + TIE } else { -1.0 }
+        })?;
     }
-    met
+    spent.map(|()| met)
 }
 
 #[cfg(test)]

@@ -6,12 +6,16 @@
 //! of pairs of segments.
 
 use super::Clearance;
+use crate::budget::{Budget, Spent};
 use crate::free_space::walls::{Wall, Walls, planar};
 use crate::geometry::box_tree::distance_squared_box_box;
 use crate::geometry::distance::{distance_segment_box, distance_segment_segment};
 use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg};
+
+/// An edge of the body against a wall takes as long as so many looks at a wall.
+const STEPS_PER_EDGE: u64 = 2;
 
 /// The moving body in its assembled state.
 #[derive(Debug, Clone, Copy)]
@@ -70,22 +74,23 @@ pub fn translating_clearance<const D: usize>(
     walls: &Walls<D>,
     legs: &[Leg<D>],
     each: &mut Vec<Clearance<D>>,
-) -> Option<Clearance<D>> {
+    budget: &Budget<'_>,
+) -> Result<Option<Clearance<D>>, Spent> {
     each.clear();
     let mut whole: Option<Nearest<D>> = None;
     let mut travelled = 0.0;
     for leg in legs {
         let Curve::Line { from, to, .. } = &leg.curve else { continue };
-        let mut nearest = leg_clearance(body, walls, from, to);
+        let mut nearest = leg_clearance(body, walls, (from, to), budget)?;
         if each.is_empty() && (nearest.value, nearest.at) != (0.0, 0.0) {
             // Touching no wall at the start, it is inside of a solid with every point or none.
-            if let Some(wall) = walls.solid_around(&(body.point() + from)) {
+            if let Some(wall) = walls.solid_around(&(body.point() + from), budget)? {
                 let point = walls.as_slice()[wall].from;
                 nearest = Nearest { value: 0.0, at: 0.0, wall, point, ..nearest };
             }
         }
         if nearest.value == f64::INFINITY {
-            return None;
+            return Ok(None);
         }
         let length = leg.curve.length();
         nearest.at = travelled + nearest.at * length;
@@ -99,7 +104,7 @@ pub fn translating_clearance<const D: usize>(
             None => whole = Some(nearest),
         }
     }
-    whole.map(|whole| whole.clearance())
+    Ok(whole.map(|whole| whole.clearance()))
 }
 
 /// The closest place so far.
@@ -136,16 +141,17 @@ impl<const D: usize> Nearest<D> {
 fn leg_clearance<const D: usize>(
     body: &Body<'_, D>,
     walls: &Walls<D>,
-    from: &Vector<D>,
-    to: &Vector<D>,
-) -> Nearest<D> {
+    (from, to): (&Vector<D>, &Vector<D>),
+    budget: &Budget<'_>,
+) -> Result<Nearest<D>, Spent> {
     let (least, greatest) = (from.inf(to), from.sup(to));
     let (min, max) = (body.bounds.min() + least, body.bounds.max() + greatest);
     let rounding = 16.0 * f64::EPSILON * min.amax().max(max.amax());
     let nowhere = Vector::zeros();
     let mut nearest =
         Nearest { value: f64::INFINITY, at: f64::INFINITY, wall: 0, point: nowhere, rounding };
-    walls.nearest(&min, &max, |index, wall| {
+    let mut spent = Ok(());
+    walls.nearest(&min, &max, budget, |index, wall| {
         let (low, high) = wall.bounds();
         // Minkowski sum of the wall and the reflected body, and a bound by boxes.
         let (low, high) = (low - body.bounds.max(), high - body.bounds.min());
@@ -161,6 +167,10 @@ fn leg_clearance<const D: usize>(
             } else {
                 let corners = body.corners();
                 let outline = if body.outline.is_empty() { &corners } else { body.outline };
+                spent = budget.step(STEPS_PER_EDGE * outline.len() as u64);
+                if spent.is_err() {
+                    return -1.0;
+                }
                 // Overlap at the beginning need not bring any vertex near an edge.
                 let touching =
                     (0..D).all(|axis| low[axis] <= from[axis] && from[axis] <= high[axis]);
@@ -171,8 +181,8 @@ fn leg_clearance<const D: usize>(
             }
         }
         nearest.reach()
-    });
-    nearest
+    })?;
+    spent.map(|()| nearest)
 }
 
 /// The point of an axis-parallel wall nearest to the displaced box: along every

@@ -28,8 +28,10 @@ fn plan<const D: usize>(
     gap: Gap<'_, D>,
 ) -> Result<(Chain<D>, Path<D>), DisassemblyError> {
     let (mut chain, mut path) = (Chain::default(), Path::default());
-    chain.build(&scene.channels, &scene.body.center(), End::Exit(scene.exit)).expect("a chain");
-    disassemble(&chain, &scene.body, gap, &mut path)?;
+    chain
+        .build(&scene.channels, &scene.body.center(), End::Exit(scene.exit), &Budget::default())
+        .expect("a chain");
+    disassemble(&chain, &scene.body, gap, &mut path, &Budget::default())?;
     Ok((chain, path))
 }
 
@@ -350,7 +352,7 @@ fn contact_with_the_first_channel_is_accepted() {
 fn unbuilt_chain_is_rejected() {
     let mut path = Path::default();
     let body = section_4().body;
-    let found = disassemble(&Chain::default(), &body, Gap::Safest, &mut path);
+    let found = disassemble(&Chain::default(), &body, Gap::Safest, &mut path, &Budget::default());
     assert_eq!(found, Err(DisassemblyError::NoChannels));
 }
 

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::budget::Spent;
 use crate::geometry::{AxisBox, Vector};
 
 /// Why a robot can't be driven as asked. Corners and legs are counted from 0 in
@@ -146,4 +147,7 @@ pub enum DrivingError {
         /// The wall point.
         wall: Vector<2>,
     },
+    /// The budget ended.
+    #[error(transparent)]
+    Spent(#[from] Spent),
 }

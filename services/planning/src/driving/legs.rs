@@ -48,6 +48,9 @@ pub(super) fn write(drive: &Drive<'_>, knots: &[Knot], last: &Tangent, legs: &mu
             legs.push(turn_in_place(&drive.goal.position, heading, turn));
         }
     }
+    if legs.is_empty() {
+        legs.push(turn_in_place(&drive.start.position, heading, 0.0));
+    }
 }
 
 /// The arc about a knot that turns from one tangent heading to the next.

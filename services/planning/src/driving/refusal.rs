@@ -2,6 +2,7 @@
 
 use super::limits::{greatest_gap, least_width};
 use super::{CONTACT, Drive, DrivingError, Gaps};
+use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::{Met, over_placement};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg, wrapped};
@@ -23,21 +24,28 @@ pub(super) fn check_ends(drive: &Drive<'_>) -> Result<(), DrivingError> {
 }
 
 /// The robot must not touch a wall, nor be inside a solid, before it moves.
-pub(super) fn check_start(drive: &Drive<'_>) -> Result<(), DrivingError> {
+pub(super) fn check_start(drive: &Drive<'_>, budget: &Budget<'_>) -> Result<(), DrivingError> {
     let position = drive.start.position;
-    let inside =
-        drive.walls.solid_around(&position).map(|index| drive.walls.as_slice()[index].from);
-    match inside.or_else(|| touched(drive, &position, drive.start.heading)) {
+    let inside = drive.walls.solid_around(&position, budget)?;
+    let touched = match inside {
+        Some(index) => Some(drive.walls.as_slice()[index].from),
+        None => touched(drive, &position, drive.start.heading, budget)?,
+    };
+    match touched {
         Some(wall) => Err(DrivingError::BodyTouchesWall { position, wall }),
         None => Ok(()),
     }
 }
 
 /// The wall point that the robot touches at a pose.
-fn touched(drive: &Drive<'_>, position: &Vector<2>, heading: f64) -> Option<Vector<2>> {
-    over_placement(&drive.footprint, position, heading, drive.walls)
-        .filter(|clearance| clearance.value <= CONTACT)
-        .map(|clearance| clearance.wall)
+fn touched(
+    drive: &Drive<'_>,
+    position: &Vector<2>,
+    heading: f64,
+    budget: &Budget<'_>,
+) -> Result<Option<Vector<2>>, Spent> {
+    let near = over_placement(&drive.footprint, position, heading, drive.walls, budget)?;
+    Ok(near.filter(|near| near.value <= CONTACT).map(|near| near.wall))
 }
 
 /// There must be a positive gap for every corner.
@@ -67,21 +75,21 @@ pub(super) fn contact(
     drive: &Drive<'_>,
     gaps: &Gaps<'_>,
     legs: &[Leg<2>],
-    index: usize,
-    met: &Met,
-) -> DrivingError {
-    if let Some(error) = contact_at_goal(drive, legs) {
-        return error;
+    (index, met): (usize, &Met),
+    budget: &Budget<'_>,
+) -> Result<DrivingError, Spent> {
+    if let Some(error) = contact_at_goal(drive, legs, budget)? {
+        return Ok(error);
     }
     let leg = &legs[index];
     if let Curve::Turn { position, from_heading, sweep } = leg.curve {
-        return DrivingError::TurnBlocked {
+        return Ok(DrivingError::TurnBlocked {
             leg: index,
             position,
             heading: leg.curve.end_heading(),
             free: wrapped(from_heading + met.along * sweep),
             wall: met.wall,
-        };
+        });
     }
     // A line is touched where the arcs beside it leave too little room.
     let is_arc = matches!(leg.curve, Curve::Arc { .. });
@@ -93,26 +101,28 @@ pub(super) fn contact(
         let has = drive.corners[corner].width();
         let needs = least_width(&drive.footprint);
         if has <= needs {
-            return DrivingError::CornerTooNarrow { corner, has, needs };
+            return Ok(DrivingError::CornerTooNarrow { corner, has, needs });
         }
         if gaps.at(corner) >= greatest_gap(&drive.footprint, has) {
-            return gap_out_of_range(drive, corner, gaps.at(corner));
+            return Ok(gap_out_of_range(drive, corner, gaps.at(corner)));
         }
     }
-    DrivingError::WallInTheWay { leg: index, at: met.along * leg.curve.length(), wall: met.wall }
+    let at = met.along * leg.curve.length();
+    Ok(DrivingError::WallInTheWay { leg: index, at, wall: met.wall })
 }
 
 /// Whether it is the last placement already that touches.
-fn contact_at_goal(drive: &Drive<'_>, legs: &[Leg<2>]) -> Option<DrivingError> {
+fn contact_at_goal(
+    drive: &Drive<'_>,
+    legs: &[Leg<2>],
+    budget: &Budget<'_>,
+) -> Result<Option<DrivingError>, Spent> {
     let arrives = || {
         let curve = legs.last()?.curve;
         (!matches!(curve, Curve::Arc { .. })).then(|| curve.end_heading())
     };
     let position = drive.goal.position;
-    let heading = wrapped(drive.goal.heading.or_else(arrives)?);
-    touched(drive, &position, heading).map(|wall| DrivingError::GoalTouchesWall {
-        position,
-        heading,
-        wall,
-    })
+    let Some(heading) = drive.goal.heading.or_else(arrives).map(wrapped) else { return Ok(None) };
+    let wall = touched(drive, &position, heading, budget)?;
+    Ok(wall.map(|wall| DrivingError::GoalTouchesWall { position, heading, wall }))
 }

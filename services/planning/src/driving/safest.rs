@@ -1,5 +1,7 @@
 //! The gap with the greatest clearance.
 
+use crate::budget::{Budget, Spent};
+
 use super::limits::{balanced_gap, least_width};
 use super::{Drive, DrivingError, Gaps, Path, drive};
 
@@ -26,20 +28,23 @@ const RATIO: f64 = 0.75;
 /// clearance is maximised, to 1e-9 m, among the gaps whose guiding circles do
 /// not reach beyond the narrowest corridor. Where corridors overlap, a gap may leave out
 /// corners for another way altogether; such gaps are found only in the second case.
-pub fn safest(task: &Drive<'_>, path: &mut Path) -> Result<f64, DrivingError> {
+pub fn safest(task: &Drive<'_>, path: &mut Path, budget: &Budget<'_>) -> Result<f64, DrivingError> {
     let narrowest = (0..task.corners.len())
         .min_by(|&a, &b| task.corners[a].width().total_cmp(&task.corners[b].width()));
     let Some(narrowest) = narrowest else {
-        drive(task, Gaps::Uniform(0.0), path)?;
+        drive(task, Gaps::Uniform(0.0), path, budget)?;
         return Ok(0.0);
     };
     let width = task.corners[narrowest].width();
     let balanced = balanced_gap(&task.footprint, width);
-    let mut turning = |gap: f64| -> Result<f64, DrivingError> {
-        drive(task, Gaps::Uniform(gap), path)?;
-        Ok(path.turning.map_or(f64::INFINITY, |turning| turning.value))
+    let mut turning = |gap: f64| -> Trial {
+        match drive(task, Gaps::Uniform(gap), path, budget) {
+            Ok(()) => Ok(Ok(path.turning.map_or(f64::INFINITY, |turning| turning.value))),
+            Err(DrivingError::Spent(spent)) => Err(spent),
+            Err(refusal) => Ok(Err(refusal)),
+        }
     };
-    if is_peak(&mut turning, balanced) {
+    if is_peak(&mut turning, balanced)? {
         return Ok(balanced);
     }
     let most = width - task.footprint.width() / 2.0;
@@ -48,33 +53,33 @@ pub fn safest(task: &Drive<'_>, path: &mut Path) -> Result<f64, DrivingError> {
         return Err(DrivingError::CornerTooNarrow { corner: narrowest, has: width, needs });
     }
     let found = maximise(&mut turning, most)?;
-    drive(task, Gaps::Uniform(found), path)?;
+    drive(task, Gaps::Uniform(found), path, budget)?;
     Ok(found)
 }
 
+/// The clearance with a gap, or why the gap is refused.
+type Trial = Result<Result<f64, DrivingError>, Spent>;
+
 /// Whether the clearance is `gap` there, and less for a gap beyond. `gap` itself
 /// is tried last.
-fn is_peak(turning: &mut impl FnMut(f64) -> Result<f64, DrivingError>, gap: f64) -> bool {
+fn is_peak(turning: &mut impl FnMut(f64) -> Trial, gap: f64) -> Result<bool, Spent> {
     if gap.is_nan() || gap <= 0.0 {
-        return false;
+        return Ok(false);
     }
     // A step that stands out from rounding, also far from the origin.
-    let beyond = turning(gap + 1e-6).unwrap_or(0.0);
-    beyond < gap && turning(gap).is_ok_and(|there| there >= gap - ATTAINED)
+    let beyond = turning(gap + 1e-6)?.unwrap_or(0.0);
+    Ok(beyond < gap && turning(gap)?.is_ok_and(|there| there >= gap - ATTAINED))
 }
 
 /// The gap up to `most` with the greatest clearance: the best of a geometric
 /// series, then golden section between its neighbours. Gaps that are refused
 /// count as clearance 0; the refusal of the least is returned if all are.
-fn maximise(
-    turning: &mut impl FnMut(f64) -> Result<f64, DrivingError>,
-    most: f64,
-) -> Result<f64, DrivingError> {
+fn maximise(turning: &mut impl FnMut(f64) -> Trial, most: f64) -> Result<f64, DrivingError> {
     let mut best = (0.0, 0.0);
     let mut refusal = None;
     let mut gap = most;
     for _ in 0..TRIALS {
-        match turning(gap) {
+        match turning(gap)? {
             Ok(value) if value > best.1 => best = (gap, value),
             Ok(_) => {}
             Err(error) => refusal = Some(error),
@@ -84,22 +89,24 @@ fn maximise(
     if let (true, Some(error)) = (best.1 == 0.0, refusal) {
         return Err(error);
     }
-    let mut value = |gap: f64| turning(gap).unwrap_or(0.0);
+    let mut value = |gap: f64| turning(gap).map(|clearance| clearance.unwrap_or(0.0));
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let (mut low, mut high) = (best.0 * RATIO, (best.0 / RATIO).min(most));
     let mut lower = high - golden * (high - low);
     let mut upper = low + golden * (high - low);
-    let (mut at_lower, mut at_upper) = (value(lower), value(upper));
-    while high - low > PRECISION {
+    let (mut at_lower, mut at_upper) = (value(lower)?, value(upper)?);
+    // Ends as well where no numbers are left between: large ones are farther apart than the
+    // precision.
+    while high - low > PRECISION && low < lower && lower < upper && upper < high {
         // Ties go to the shorter way.
         if at_lower >= at_upper {
             (high, upper, at_upper) = (upper, lower, at_lower);
             lower = high - golden * (high - low);
-            at_lower = value(lower);
+            at_lower = value(lower)?;
         } else {
             (low, lower, at_lower) = (lower, upper, at_upper);
             upper = low + golden * (high - low);
-            at_upper = value(upper);
+            at_upper = value(upper)?;
         }
         for (gap, value) in [(lower, at_lower), (upper, at_upper)] {
             if value > best.1 {

@@ -3,6 +3,7 @@
 use super::rules::TurnRule;
 use super::tangent::{Circle, Tangent, tangent};
 use super::{Corner, Drive, DrivingError, Gaps};
+use crate::budget::Budget;
 use crate::geometry::{Direction, Vector, unit, unrotated};
 
 /// A corner that the path turns about.
@@ -27,6 +28,9 @@ pub(super) const ROUNDED: f64 = 1e-9;
 /// clear, metres. The exact clearance is measured afterwards in any case.
 const CLEARED: f64 = 1e-9;
 
+/// A corner takes as long, in one pass, as so many looks at a wall.
+const STEPS_PER_CORNER: u64 = 4;
+
 /// Finds the corners that the taut path from start to goal turns about and
 /// returns the last straight leg.
 ///
@@ -39,9 +43,11 @@ pub(super) fn tighten(
     gaps: &Gaps<'_>,
     knots: &mut Vec<Knot>,
     kept: &mut Vec<bool>,
+    budget: &Budget<'_>,
 ) -> Result<Tangent, DrivingError> {
     kept.clear();
     loop {
+        budget.step(STEPS_PER_CORNER * drive.corners.len() as u64)?;
         let last = wind(drive, gaps, knots, kept)?;
         if knots.len() == drive.corners.len() || !put_back(drive, gaps, knots, &last, kept) {
             return Ok(last);

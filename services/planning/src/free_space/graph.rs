@@ -1,8 +1,8 @@
 //! Which channels meet: the graph that a route is looked for in.
 
+use crate::budget::{Budget, Cap, Held, Spent};
 use crate::geometry::AxisBox;
 use crate::geometry::box_tree::BoxTree;
-use thiserror::Error;
 
 /// Channels in any order, and for each those that it has a junction with.
 ///
@@ -20,43 +20,21 @@ pub struct Graph<const D: usize> {
     pairs: Vec<[u32; 2]>,
 }
 
-/// Why channels do not make a graph.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum GraphError {
-    /// More junctions than allowed.
-    #[error("the channels have at least {has} junctions, at most {most} are allowed")]
-    TooManyJunctions {
-        /// How many there are at least.
-        has: usize,
-        /// How many are allowed.
-        most: usize,
-    },
-    /// More channels than can be counted.
-    #[error("there are {has} channels, at most {most} are allowed")]
-    TooManyChannels {
-        /// How many there are.
-        has: usize,
-        /// How many are allowed.
-        most: usize,
-    },
-}
-
 /// Channels and junctions are counted in 32 bits, some values being reserved.
 const MOST: usize = u32::MAX as usize / 2 - 1;
 
+/// The pair, and a neighbour for each of the two.
+const BYTES_PER_JUNCTION: usize = size_of::<[u32; 2]>() + 2 * size_of::<u32>();
+
 impl<const D: usize> Graph<D> {
     /// Finds all junctions, that is, all pairs of channels whose interiors meet
-    /// (equation 2.4), unless there are more than `most_junctions`. Built again and
-    /// again in the same memory; empty after an error.
+    /// (equation 2.4), no more than [`Cap::Junctions`]. Built again and again in the same
+    /// memory, which is left taken from the budget; empty after an error.
     ///
     /// Takes n log n for n channels and junctions.
-    pub fn build(
-        &mut self,
-        channels: &[AxisBox<D>],
-        most_junctions: usize,
-    ) -> Result<(), GraphError> {
+    pub fn build(&mut self, channels: &[AxisBox<D>], budget: &Budget<'_>) -> Result<(), Spent> {
         self.clear();
-        let result = self.try_build(channels, most_junctions.min(MOST));
+        let result = self.try_build(channels, budget);
         if result.is_err() {
             self.clear();
         }
@@ -112,25 +90,35 @@ impl<const D: usize> Graph<D> {
         self.pairs.clear();
     }
 
-    fn try_build(
-        &mut self,
-        channels: &[AxisBox<D>],
-        most_junctions: usize,
-    ) -> Result<(), GraphError> {
+    fn try_build(&mut self, channels: &[AxisBox<D>], budget: &Budget<'_>) -> Result<(), Spent> {
         if channels.len() > MOST {
-            return Err(GraphError::TooManyChannels { has: channels.len(), most: MOST });
+            return Err(Spent::Limit { cap: Cap::Channels, most: MOST as u64 });
         }
+        let per_channel = size_of::<AxisBox<D>>() + size_of::<u32>();
+        let for_channels = channels.len() * per_channel + BoxTree::<D>::bytes_for(channels.len());
+        let held = Held::new(budget, for_channels)?;
         self.channels.extend_from_slice(channels);
-        self.tree.build(channels.len(), |index| (channels[index].min(), channels[index].max()));
+        let bounds = |index: usize| (channels[index].min(), channels[index].max());
+        self.tree.build(channels.len(), bounds, budget)?;
         let Self { tree, pairs, begins, neighbours, .. } = self;
-        tree.pairs(|one, other| {
+        let mut for_junctions = Held::new(budget, 0)?;
+        tree.pairs(budget, |one, other| {
             pairs.push([one as u32, other as u32]);
-            pairs.len() <= most_junctions
-        });
+            let has = pairs.len();
+            budget.check(Cap::Junctions, has)?;
+            if has > MOST {
+                return Err(Spent::Limit { cap: Cap::Junctions, most: MOST as u64 });
+            }
+            if has.is_power_of_two() {
+                for_junctions.resize(2 * has * BYTES_PER_JUNCTION)?;
+            }
+            Ok(())
+        })?;
         let has = pairs.len();
-        if has > most_junctions {
-            return Err(GraphError::TooManyJunctions { has, most: most_junctions });
-        }
+        budget.step(has as u64)?;
+        for_junctions.resize(has * BYTES_PER_JUNCTION)?;
+        for_junctions.keep();
+        held.keep();
         begins.resize(channels.len() + 1, 0);
         pairs.as_flattened().iter().for_each(|channel| begins[*channel as usize] += 1);
         let mut end = 0;

@@ -1,5 +1,6 @@
 //! Channels from solids: the maximal boxes of what they leave free.
 
+use crate::budget::{Budget, Cap, Spent};
 use crate::geometry::polygon::Polygon;
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use sweep::Sweep;
@@ -11,51 +12,9 @@ mod outline;
 mod part;
 mod sweep;
 
-/// How much may be spent on one free space.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Caps {
-    /// Boxes that the solids may be cut into.
-    pub pieces: usize,
-    /// Channels found, and boxes considered at one time.
-    pub channels: usize,
-    /// Boxes looked at, in all: bounds the time, 10 to 100 ns each.
-    pub steps: usize,
-}
-
-impl Default for Caps {
-    /// 2^21 pieces, 2^20 channels, 2^30 steps (ten seconds and more).
-    fn default() -> Self {
-        Self { pieces: 1 << 21, channels: 1 << 20, steps: 1 << 30 }
-    }
-}
-
-/// Why solids do not make channels.
+/// Why a solid can't be cut into boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SolidsError {
-    /// More boxes than [`Caps::pieces`], slanted edges counted by their steps.
-    #[error("the solids make {has} boxes, at most {most} are allowed")]
-    TooManyPieces {
-        /// How many there are, or at least how many.
-        has: usize,
-        /// [`Caps::pieces`].
-        most: usize,
-    },
-    /// More channels than [`Caps::channels`].
-    #[error("the free space has at least {has} channels, at most {most} are allowed")]
-    TooManyChannels {
-        /// How many there are at least (found, or considered at one time).
-        has: usize,
-        /// [`Caps::channels`].
-        most: usize,
-    },
-    /// More work than [`Caps::steps`].
-    #[error("the free space is too intricate: {has} boxes looked at, at most {most} are allowed")]
-    TooIntricate {
-        /// How many were looked at.
-        has: usize,
-        /// [`Caps::steps`].
-        most: usize,
-    },
     /// A polygon has slanted edges, and the tolerance is not a positive number.
     #[error("the tolerance {tolerance} m for slanted edges is not greater than {least} m")]
     ToleranceNotPositive {
@@ -64,6 +23,9 @@ pub enum SolidsError {
         /// It must be greater than this, metres.
         least: f64,
     },
+    /// The budget ended.
+    #[error(transparent)]
+    Spent(#[from] Spent),
 }
 
 /// Solids, cut into boxes. Reusable memory.
@@ -94,14 +56,19 @@ impl<const D: usize> Solids<D> {
         &self.boxes
     }
 
-    /// Adds a solid box.
-    pub fn push_box(&mut self, solid: AxisBox<D>) {
+    /// Adds a solid box. Its memory is left taken from the budget.
+    pub fn push_box(&mut self, solid: AxisBox<D>, budget: &Budget<'_>) -> Result<(), Spent> {
+        budget.check(Cap::Pieces, self.boxes.len() + 1)?;
+        budget.hold(Self::BYTES_PER_BOX)?;
         self.boxes.push(solid);
         self.count_solid();
+        Ok(())
     }
 
+    const BYTES_PER_BOX: usize = size_of::<AxisBox<D>>() + size_of::<u32>();
+
     /// What was added last is one solid. There are fewer boxes than can be counted in 32
-    /// bits (`Caps::pieces`), and more solids are not told apart.
+    /// bits ([`Cap::Pieces`]), and more solids are not told apart.
     fn count_solid(&mut self) {
         self.solids.resize(self.boxes.len(), self.count);
         self.count = self.count.saturating_add(1);
@@ -160,6 +127,12 @@ impl<const D: usize> Solids<D> {
         AxisBox::new(min, max).ok()
     }
 
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        let boxes = self.boxes.capacity() * size_of::<AxisBox<D>>();
+        boxes + self.solids.capacity() * size_of::<u32>() + self.sweep.bytes()
+    }
+
     /// Refills `channels` with all maximal boxes of the part of `bounds` that the
     /// solids leave free, as far as they are larger than `body` (metres) on every
     /// axis; sorted by their least, then their greatest corner, the first axis
@@ -174,15 +147,12 @@ impl<const D: usize> Solids<D> {
         &mut self,
         bounds: &AxisBox<D>,
         body: &Vector<D>,
-        caps: &Caps,
+        budget: &Budget<'_>,
         channels: &mut Vec<AxisBox<D>>,
-    ) -> Result<(), SolidsError> {
+    ) -> Result<(), Spent> {
         channels.clear();
-        if self.boxes.len() > caps.pieces {
-            let (has, most) = (self.boxes.len(), caps.pieces);
-            return Err(SolidsError::TooManyPieces { has, most });
-        }
-        self.sweep.run(&self.boxes, bounds, body, caps, channels)
+        budget.check(Cap::Pieces, self.boxes.len())?;
+        self.sweep.run(&self.boxes, bounds, body, budget, channels)
     }
 }
 
@@ -196,9 +166,11 @@ impl Solids<2> {
         &mut self,
         polygon: &Polygon,
         tolerance: f64,
-        caps: &Caps,
+        budget: &Budget<'_>,
     ) -> Result<(), SolidsError> {
-        outline::cut(polygon.vertices(), tolerance, caps.pieces, &mut self.boxes)?;
+        let before = self.boxes.len();
+        outline::cut(polygon.vertices(), tolerance, &mut self.boxes, budget)?;
+        budget.hold((self.boxes.len() - before) * Self::BYTES_PER_BOX)?;
         self.count_solid();
         Ok(())
     }

@@ -24,7 +24,7 @@ fn build<const D: usize>(
     end: End<D>,
 ) -> Result<Chain<D>, ChainError> {
     let mut chain = Chain::default();
-    chain.build(channels, &start.into(), end)?;
+    chain.build(channels, &start.into(), end, &Budget::default())?;
     Ok(chain)
 }
 
@@ -168,7 +168,7 @@ fn parallel_channels_are_rejected() {
 #[test]
 fn failed_chain_is_empty() {
     let mut chain = build(&section_4(), [5.745, 2.505], EXIT).expect("a chain");
-    chain.build(&[], &Vector::zeros(), EXIT).unwrap_err();
+    chain.build(&[], &Vector::zeros(), EXIT, &Budget::default()).unwrap_err();
     assert_eq!((chain.channels(), chain.axes(), chain.exit()), (&[][..], &[][..], None));
     assert_eq!((chain.corners(), chain.mouth()), (&[][..], None));
 }

@@ -1,5 +1,6 @@
 //! What the body must not touch.
 
+use crate::budget::{Budget, Spent};
 use crate::geometry::box_tree::{BoxTree, distance_squared_box_box};
 use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Sign, Vector};
@@ -11,6 +12,9 @@ pub use complement::Complement;
 
 /// Up to as many walls there is no index: looking at all is faster.
 const FEW: usize = 64;
+
+/// So many solids are passed over in the time that a look at a wall takes.
+const SOLIDS_PER_STEP: u64 = 8;
 
 /// A flat piece of wall: in two dimensions the segment from `from` to `to`, in
 /// three the axis-parallel rectangle between these opposite corners. Metres.
@@ -88,11 +92,16 @@ impl<const D: usize> Walls<D> {
 
     /// Prepares for searching among many walls; to be called after the last
     /// addition. Allocates only for more walls than ever before.
-    pub fn index(&mut self) {
-        if self.walls.len() > FEW {
-            let walls = &self.walls;
-            self.tree.build(walls.len(), |index| walls[index].bounds());
+    ///
+    /// The memory of all walls is left taken from the budget.
+    pub fn index(&mut self, budget: &Budget<'_>) -> Result<(), Spent> {
+        let Self { walls, solids, tree } = self;
+        budget.hold(size_of_val(&**walls) + size_of_val(&**solids))?;
+        if walls.len() > FEW {
+            budget.hold(BoxTree::<D>::bytes_for(walls.len()))?;
+            tree.build(walls.len(), |index| walls[index].bounds(), budget)?;
         }
+        Ok(())
     }
 
     /// The memory that it holds.
@@ -114,21 +123,23 @@ impl<const D: usize> Walls<D> {
         min: &Vector<D>,
         max: &Vector<D>,
         reach: f64,
+        budget: &Budget<'_>,
         mut visit: impl FnMut(usize, &Wall<D>),
-    ) {
-        if self.tree.is_empty() {
-            for (index, wall) in self.walls.iter().enumerate() {
-                let (low, high) = wall.bounds();
-                if distance_squared_box_box((&low, &high), (min, max)) <= reach * reach {
-                    visit(index, wall);
-                }
-            }
-        } else {
-            self.tree.visit(min, max, reach, |index| {
+    ) -> Result<(), Spent> {
+        if !self.tree.is_empty() {
+            return self.tree.visit(min, max, reach, budget, |index| {
                 visit(index, &self.walls[index]);
                 reach
             });
         }
+        budget.step(self.walls.len() as u64)?;
+        for (index, wall) in self.walls.iter().enumerate() {
+            let (low, high) = wall.bounds();
+            if distance_squared_box_box((&low, &high), (min, max)) <= reach * reach {
+                visit(index, wall);
+            }
+        }
+        Ok(())
     }
 
     /// Calls `visit` with (at least) every wall that comes as near to the box
@@ -137,12 +148,14 @@ impl<const D: usize> Walls<D> {
         &self,
         min: &Vector<D>,
         max: &Vector<D>,
+        budget: &Budget<'_>,
         mut visit: impl FnMut(usize, &Wall<D>) -> f64,
-    ) {
+    ) -> Result<(), Spent> {
         if !self.tree.is_empty() {
-            self.tree.visit(min, max, f64::INFINITY, |index| visit(index, &self.walls[index]));
-            return;
+            let visit = |index| visit(index, &self.walls[index]);
+            return self.tree.visit(min, max, f64::INFINITY, budget, visit);
         }
+        budget.step(self.walls.len() as u64)?;
         // The nearest of the few first, then those that still are in reach.
         let (few, more) = self.walls.split_at(self.walls.len().min(FEW));
         let mut distances = [0.0; FEW];
@@ -154,7 +167,7 @@ impl<const D: usize> Walls<D> {
                 first = index;
             }
         }
-        let Some(wall) = few.get(first) else { return };
+        let Some(wall) = few.get(first) else { return Ok(()) };
         let mut reach = visit(first, wall);
         for (index, wall) in few.iter().enumerate() {
             if index != first && reach >= 0.0 && distances[index] <= reach * reach {
@@ -166,35 +179,44 @@ impl<const D: usize> Walls<D> {
                 reach = visit(FEW + index, wall);
             }
         }
+        Ok(())
     }
 
     /// The first wall of a solid that has `point` in its interior, if there is one.
-    pub fn solid_around(&self, point: &Vector<D>) -> Option<usize> {
-        let around = |solid: &&Solid<D>| {
+    pub fn solid_around(
+        &self,
+        point: &Vector<D>,
+        budget: &Budget<'_>,
+    ) -> Result<Option<usize>, Spent> {
+        budget.step(1 + self.solids.len() as u64 / SOLIDS_PER_STEP)?;
+        for solid in &self.solids {
             let (min, max) = (solid.bounds.min(), solid.bounds.max());
             if !(0..D).all(|axis| min[axis] < point[axis] && point[axis] < max[axis]) {
-                return false;
+                continue;
             }
             let (first, count) = solid.walls;
             let edges = self.walls[first..first + count].iter();
             let edges = edges.map(|wall| (planar(&wall.from), planar(&wall.to)));
-            solid.is_box || polygon::contains(edges, &planar(point))
-        };
-        self.solids.iter().find(around).map(|solid| solid.walls.0)
+            budget.step(count as u64)?;
+            if solid.is_box || polygon::contains(edges, &planar(point)) {
+                return Ok(Some(first));
+            }
+        }
+        Ok(None)
     }
 
     /// Whether the interior of `space` is free: no wall passes through it, and it is
     /// not inside of a solid. Contact, also within rounding (some 1e-14 of the
     /// coordinates), leaves it free.
-    pub fn is_free(&self, space: &AxisBox<D>) -> bool {
+    pub fn is_free(&self, space: &AxisBox<D>, budget: &Budget<'_>) -> Result<bool, Spent> {
         let mut free = true;
-        self.nearest(&space.min(), &space.max(), |_, wall| {
+        self.nearest(&space.min(), &space.max(), budget, |_, wall| {
             free &= !free::passes_through(wall, space);
             // Those that touch the box are all that can pass through it.
             if free { 0.0 } else { -1.0 }
-        });
+        })?;
         // With no wall in between, all of it is on one side of every surface.
-        free && self.solid_around(&space.center()).is_none()
+        Ok(free && self.solid_around(&space.center(), budget)?.is_none())
     }
 }
 

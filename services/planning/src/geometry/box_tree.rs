@@ -1,9 +1,13 @@
 //! A static index over many boxes.
 
 use super::Vector;
+use crate::budget::{Budget, Spent};
 
 /// Children of a node; leaves hold as many boxes.
 const FAN: usize = 8;
+
+/// Indexing a box takes about as long as so many looks at one.
+const STEPS_PER_BOX: u64 = 4;
 
 /// Least and greatest corner, metres; may be flat.
 type Bounds<const D: usize> = (Vector<D>, Vector<D>);
@@ -42,11 +46,29 @@ impl<const D: usize> BoxTree<D> {
         order + levels + self.nodes.capacity() * size_of::<Bounds<D>>()
     }
 
+    /// The memory that so many boxes take, bytes.
+    pub(crate) fn bytes_for(count: usize) -> usize {
+        // A seventh more nodes than leaves.
+        let nodes = count.saturating_add(count / 7);
+        let order = count.saturating_mul(size_of::<(u64, u32)>());
+        order.saturating_add(nodes.saturating_mul(size_of::<Bounds<D>>()))
+    }
+
     /// Indexes the boxes `0..count`, given by their least and greatest corners.
     /// At most `u32::MAX` of them.
-    pub fn build(&mut self, count: usize, bounds: impl Fn(usize) -> Bounds<D>) {
+    ///
+    /// The memory is for the caller to count, who knows how long it is kept.
+    pub fn build(
+        &mut self,
+        count: usize,
+        bounds: impl Fn(usize) -> Bounds<D>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
         self.clear();
-        let Some(all) = (0..count).map(&bounds).reduce(|a, b| union(&a, &b)) else { return };
+        budget.step(STEPS_PER_BOX * count as u64)?;
+        let Some(all) = (0..count).map(&bounds).reduce(|a, b| union(&a, &b)) else {
+            return Ok(());
+        };
         let index_of = |index: usize| u32::try_from(index).expect("fewer than 2^32 boxes");
         self.order.extend((0..count).map(|index| (z_order(&bounds(index), &all), index_of(index))));
         self.order.sort_unstable();
@@ -66,6 +88,7 @@ impl<const D: usize> BoxTree<D> {
             }
             begin = end;
         }
+        Ok(())
     }
 
     /// What it holds at least, bytes.
@@ -77,40 +100,42 @@ impl<const D: usize> BoxTree<D> {
     /// Calls `visit` with the index of every box that comes as near as `reach`
     /// (metres, may be infinite) to the box from `min` to `max`, roughly the
     /// nearest first. `visit` returns the reach from there on; a negative one
-    /// ends the walk.
+    /// ends the walk. Every box or group of boxes looked at is a step.
     pub fn visit(
         &self,
         min: &Vector<D>,
         max: &Vector<D>,
-        mut reach: f64,
-        mut visit: impl FnMut(usize) -> f64,
-    ) {
-        if let Some(top) = self.levels.len().checked_sub(1) {
-            let distance = self.distance_squared(top, 0, min, max);
-            self.descend((top, 0, distance), (min, max), &mut reach, &mut visit);
-        }
+        reach: f64,
+        budget: &Budget<'_>,
+        visit: impl FnMut(usize) -> f64,
+    ) -> Result<(), Spent> {
+        let Some(top) = self.levels.len().checked_sub(1) else { return Ok(()) };
+        let distance = self.distance_squared(top, 0, min, max);
+        let mut walk = Walk { reach, budget, visit };
+        self.descend((top, 0, distance), (min, max), &mut walk)
     }
 
     fn descend(
         &self,
         (level, place, distance): (usize, usize, f64),
         (min, max): (&Vector<D>, &Vector<D>),
-        reach: &mut f64,
-        visit: &mut impl FnMut(usize) -> f64,
-    ) {
-        if *reach < 0.0 || distance > *reach * *reach {
-            return;
+        walk: &mut Walk<'_, impl FnMut(usize) -> f64>,
+    ) -> Result<(), Spent> {
+        if walk.reach < 0.0 || distance > walk.reach * walk.reach {
+            return Ok(());
         }
         if level == 0 {
-            *reach = visit(self.order[place].1 as usize);
-            return;
+            walk.reach = (walk.visit)(self.order[place].1 as usize);
+            return Ok(());
         }
         // Nearest first, so that a shrinking reach is soon short.
         let mut near = [(0.0, 0); FAN];
         let mut count = 0;
-        for child in self.children(level, place) {
+        let children = self.children(level, place);
+        walk.budget.step(children.len() as u64)?;
+        for child in children {
             let distance = self.distance_squared(level - 1, child, min, max);
-            if distance > *reach * *reach {
+            if distance > walk.reach * walk.reach {
                 continue;
             }
             let mut at = count;
@@ -122,33 +147,43 @@ impl<const D: usize> BoxTree<D> {
             count += 1;
         }
         for (distance, child) in &near[..count] {
-            self.descend((level - 1, *child, *distance), (min, max), reach, visit);
+            self.descend((level - 1, *child, *distance), (min, max), walk)?;
         }
+        Ok(())
     }
 
     /// Calls `visit` with the indices of every two boxes whose interiors meet (all
-    /// must have one), each pair once. It returns whether to go on.
+    /// must have one), each pair once, until it fails. Every two boxes or groups of boxes
+    /// compared are a step.
     ///
     /// Cheaper than a visit for every box: what is far from a whole group of boxes is
     /// passed over once for all of them.
-    pub(crate) fn pairs(&self, mut visit: impl FnMut(usize, usize) -> bool) {
-        if let Some(top) = self.levels.len().checked_sub(1) {
-            self.pairs_within(top, 0, &mut visit);
-        }
+    pub(crate) fn pairs(
+        &self,
+        budget: &Budget<'_>,
+        mut visit: impl FnMut(usize, usize) -> Result<(), Spent>,
+    ) -> Result<(), Spent> {
+        let Some(top) = self.levels.len().checked_sub(1) else { return Ok(()) };
+        self.pairs_within(top, 0, budget, &mut visit)
     }
 
     fn pairs_within(
         &self,
         level: usize,
         place: usize,
-        visit: &mut impl FnMut(usize, usize) -> bool,
-    ) -> bool {
-        let Some(below) = level.checked_sub(1) else { return true };
+        budget: &Budget<'_>,
+        visit: &mut impl FnMut(usize, usize) -> Result<(), Spent>,
+    ) -> Result<(), Spent> {
+        let Some(below) = level.checked_sub(1) else { return Ok(()) };
         let children = self.children(level, place);
-        children.clone().all(|one| {
-            self.pairs_within(below, one, visit)
-                && (one + 1..children.end).all(|other| self.pairs_of(below, one, other, visit))
-        })
+        budget.step((children.len() * children.len() / 2) as u64)?;
+        for one in children.clone() {
+            self.pairs_within(below, one, budget, visit)?;
+            for other in one + 1..children.end {
+                self.pairs_of(below, one, other, budget, visit)?;
+            }
+        }
+        Ok(())
     }
 
     fn pairs_of(
@@ -156,10 +191,13 @@ impl<const D: usize> BoxTree<D> {
         level: usize,
         one: usize,
         other: usize,
-        visit: &mut impl FnMut(usize, usize) -> bool,
-    ) -> bool {
-        !meet(self.node(level, one), self.node(level, other))
-            || self.pairs_between(level, one, other, visit)
+        budget: &Budget<'_>,
+        visit: &mut impl FnMut(usize, usize) -> Result<(), Spent>,
+    ) -> Result<(), Spent> {
+        if meet(self.node(level, one), self.node(level, other)) {
+            self.pairs_between(level, one, other, budget, visit)?;
+        }
+        Ok(())
     }
 
     fn pairs_between(
@@ -167,8 +205,9 @@ impl<const D: usize> BoxTree<D> {
         level: usize,
         one: usize,
         other: usize,
-        visit: &mut impl FnMut(usize, usize) -> bool,
-    ) -> bool {
+        budget: &Budget<'_>,
+        visit: &mut impl FnMut(usize, usize) -> Result<(), Spent>,
+    ) -> Result<(), Spent> {
         let Some(below) = level.checked_sub(1) else {
             return visit(self.order[one].1 as usize, self.order[other].1 as usize);
         };
@@ -181,9 +220,14 @@ impl<const D: usize> BoxTree<D> {
             among[count] = child;
             count += usize::from(meet(self.node(below, child), &common));
         }
-        self.children(level, one).filter(|child| meet(self.node(below, *child), &common)).all(
-            |child| among[..count].iter().all(|other| self.pairs_of(below, child, *other, visit)),
-        )
+        let children = self.children(level, one);
+        budget.step((children.len() * (1 + count)) as u64)?;
+        for child in children.filter(|child| meet(self.node(below, *child), &common)) {
+            for other in &among[..count] {
+                self.pairs_of(below, child, *other, budget, visit)?;
+            }
+        }
+        Ok(())
     }
 
     fn node(&self, level: usize, place: usize) -> &Bounds<D> {
@@ -207,6 +251,13 @@ impl<const D: usize> BoxTree<D> {
         let (low, high) = self.node(level, place);
         distance_squared_box_box((low, high), (min, max))
     }
+}
+
+/// A walk to the boxes near one.
+struct Walk<'a, V> {
+    reach: f64,
+    budget: &'a Budget<'a>,
+    visit: V,
 }
 
 /// Square of the least distance between two boxes given by their least and
@@ -269,12 +320,12 @@ mod tests {
         fn finds_what_is_in_reach(boxes in boxes(), at in proptest::array::uniform3(-9..9i8), reach in 0.0..4.0f64) {
             let at = Vector::from(at.map(f64::from));
             let mut tree = BoxTree::default();
-            tree.build(boxes.len(), |index| boxes[index]);
+            tree.build(boxes.len(), |index| boxes[index], &Budget::default()).unwrap();
             let mut found = Vec::new();
-            tree.visit(&at, &at, reach, |index| {
+            tree.visit(&at, &at, reach, &Budget::default(), |index| {
                 found.push(index);
                 reach
-            });
+            }).unwrap();
             found.sort_unstable();
             let near = |index: &usize| {
                 let (min, max) = &boxes[*index];
@@ -288,12 +339,14 @@ mod tests {
             let has_interior = |(min, max): &&Bounds<3>| (0..3).all(|axis| min[axis] < max[axis]);
             let boxes: Vec<_> = boxes.iter().filter(has_interior).copied().collect();
             let mut tree = BoxTree::default();
-            tree.build(boxes.len(), |index| boxes[index]);
+            tree.build(boxes.len(), |index| boxes[index], &Budget::default()).unwrap();
             let mut found = Vec::new();
-            tree.pairs(|a, b| {
+            let free = Budget::default();
+            let all = tree.pairs(&free, |a, b| {
                 found.push((a.min(b), a.max(b)));
-                true
+                Ok(())
             });
+            prop_assert_eq!(all, Ok(()));
             found.sort_unstable();
             let meeting = |(a, b): &(usize, usize)| {
                 let (a, b) = (&boxes[*a], &boxes[*b]);
@@ -301,13 +354,14 @@ mod tests {
             };
             let pairs = (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| (a, b)));
             prop_assert_eq!(&found, &pairs.filter(meeting).collect::<Vec<_>>());
-            // No more after the first for which not to go on.
+            // None after the one that is too many.
             let mut count = 0;
-            tree.pairs(|_, _| {
+            let few = tree.pairs(&free, |_, _| {
                 count += 1;
-                count < most
+                if count < most { Ok(()) } else { Err(Spent::Stopped) }
             });
             prop_assert_eq!(count, found.len().min(most));
+            prop_assert_eq!(few.is_err(), found.len() >= most);
         }
 
         #[test]
@@ -315,14 +369,14 @@ mod tests {
             let at = Vector::from(at.map(f64::from));
             let distance = |(min, max): &Bounds<3>| distance_squared_box_box((min, max), (&at, &at)).sqrt();
             let mut tree = BoxTree::default();
-            tree.build(boxes.len(), |index| boxes[index]);
+            tree.build(boxes.len(), |index| boxes[index], &Budget::default()).unwrap();
             let mut nearest = f64::INFINITY;
             let mut visits = 0;
-            tree.visit(&at, &at, nearest, |index| {
+            tree.visit(&at, &at, nearest, &Budget::default(), |index| {
                 visits += 1;
                 nearest = nearest.min(distance(&boxes[index]));
                 nearest
-            });
+            }).unwrap();
             prop_assert_eq!(nearest, boxes.iter().map(distance).fold(f64::INFINITY, f64::min));
             prop_assert!(visits <= boxes.len());
         }
@@ -330,13 +384,14 @@ mod tests {
         #[test]
         fn negative_reach_ends_the_walk(boxes in boxes()) {
             let mut tree = BoxTree::default();
-            tree.build(boxes.len(), |index| boxes[index]);
+            tree.build(boxes.len(), |index| boxes[index], &Budget::default()).unwrap();
             let mut visits = 0;
             let wide = Vector::repeat(100.0);
-            tree.visit(&-wide, &wide, 1.0, |_| {
+            let ended = tree.visit(&-wide, &wide, 1.0, &Budget::default(), |_| {
                 visits += 1;
                 -1.0
             });
+            prop_assert_eq!(ended, Ok(()));
             prop_assert_eq!(visits, boxes.len().min(1));
         }
     }

@@ -3,22 +3,21 @@
 use super::box_tree::BoxTree;
 use super::orientation::{Side, segments_meet, side_of_line};
 use super::{AxisBox, Vector};
+use crate::budget::{Budget, Held, Spent};
 use thiserror::Error;
 
 /// Up to this many edges all pairs are checked, without an index.
 const FEW: usize = 64;
 
-/// The most pairs of edges with meeting bounding boxes that are checked.
-pub const MOST_PAIRS: usize = 1 << 26;
-
 /// A polygon whose boundary neither crosses nor touches itself, convex or not, with its
 /// vertices in either sense of rotation. Metres.
 ///
 /// ```
+/// use planning::budget::Budget;
 /// use planning::geometry::polygon::{Polygon, PolygonError};
 ///
 /// let bow_tie = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
-/// let error = Polygon::new(bow_tie.map(Into::into).to_vec()).unwrap_err();
+/// let error = Polygon::new(bow_tie.map(Into::into).to_vec(), &Budget::default()).unwrap_err();
 /// assert!(matches!(error, PolygonError::Crossing { first: 0, second: 2, .. }));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -87,23 +86,16 @@ pub enum PolygonError {
         /// Ends of the later edge, metres.
         second_edge: [Vector<2>; 2],
     },
-    /// The bounding boxes of too many pairs of edges meet for a check in bounded time.
-    #[error(
-        "the polygon with {vertices} vertices is too intricate: more than {most} pairs of edges are close together"
-    )]
-    TooIntricate {
-        /// How many vertices there are.
-        vertices: usize,
-        /// The most pairs that are checked ([`MOST_PAIRS`]).
-        most: usize,
-    },
+    /// The budget ended.
+    #[error(transparent)]
+    Spent(#[from] Spent),
 }
 
 impl Polygon {
     /// The polygon with these vertices in order, the last joined to the first.
     /// Allocates only for more than 64 vertices.
-    pub fn new(vertices: Vec<Vector<2>>) -> Result<Self, PolygonError> {
-        let bounds = check(&vertices)?;
+    pub fn new(vertices: Vec<Vector<2>>, budget: &Budget<'_>) -> Result<Self, PolygonError> {
+        let bounds = check(&vertices, budget)?;
         Ok(Self { vertices, bounds })
     }
 
@@ -158,7 +150,7 @@ pub(crate) fn contains(
     inside
 }
 
-fn check(vertices: &[Vector<2>]) -> Result<AxisBox<2>, PolygonError> {
+fn check(vertices: &[Vector<2>], budget: &Budget<'_>) -> Result<AxisBox<2>, PolygonError> {
     let count = vertices.len();
     if count < 3 {
         return Err(PolygonError::TooFewVertices { has: count, needs: 3 });
@@ -178,13 +170,14 @@ fn check(vertices: &[Vector<2>]) -> Result<AxisBox<2>, PolygonError> {
         }
     }
     if count <= FEW {
+        budget.step((count * count / 2) as u64)?;
         for first in 0..count {
             for second in first + 1..count {
                 check_pair(vertices, first, second)?;
             }
         }
     } else {
-        check_indexed(vertices)?;
+        check_indexed(vertices, budget)?;
     }
     // Cannot fail: extents are positive.
     AxisBox::new(min, max).map_err(|_| PolygonError::Flat {
@@ -195,31 +188,27 @@ fn check(vertices: &[Vector<2>]) -> Result<AxisBox<2>, PolygonError> {
 }
 
 /// Checks only pairs whose bounding boxes meet; reports the first wrong pair.
-fn check_indexed(vertices: &[Vector<2>]) -> Result<(), PolygonError> {
+fn check_indexed(vertices: &[Vector<2>], budget: &Budget<'_>) -> Result<(), PolygonError> {
     let count = vertices.len();
     let bounds = |index: usize| {
         let (a, b) = edge(vertices, index);
         (a.inf(&b), a.sup(&b))
     };
     let mut tree = BoxTree::default();
-    tree.build(count, bounds);
-    let mut pairs = 0;
+    let _held = Held::new(budget, BoxTree::<2>::bytes_for(count))?;
+    tree.build(count, bounds, budget)?;
     for first in 0..count {
         let (min, max) = bounds(first);
         let mut wrong: Option<usize> = None;
-        tree.visit(&min, &max, 0.0, |second| {
-            pairs += 1;
+        tree.visit(&min, &max, 0.0, budget, |second| {
             let earlier = wrong.is_none_or(|least| second < least);
             if second > first && earlier && check_pair(vertices, first, second).is_err() {
                 wrong = Some(second);
             }
-            if pairs > MOST_PAIRS { -1.0 } else { 0.0 }
-        });
+            0.0
+        })?;
         if let Some(second) = wrong {
             check_pair(vertices, first, second)?;
-        }
-        if pairs > MOST_PAIRS {
-            return Err(PolygonError::TooIntricate { vertices: count, most: MOST_PAIRS });
         }
     }
     Ok(())

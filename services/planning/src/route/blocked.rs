@@ -2,7 +2,8 @@
 //! way, or the wall.
 
 use super::Traveller;
-use super::widest::{Change, Lack, Space, Way, extent};
+use super::widest::{Change, Lack, Space, Unknown, Way, extent, is_of_the_search};
+use crate::budget::{Budget, Held, Spent};
 use crate::free_space::End;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
@@ -80,7 +81,8 @@ pub enum Blocked<const D: usize> {
 /// `boxes`, all maximal free boxes within `bounds` whatever their size (as
 /// [`Solids::channels`](crate::free_space::solids::Solids::channels) makes them for a
 /// body of no size). `None` where nothing is in the way but a gap or a turn, or where it
-/// would take more than about `most_steps` pairs of boxes to tell.
+/// would take more than about [`Cap::RouteSteps`](crate::budget::Cap::RouteSteps) pairs of
+/// boxes to tell.
 ///
 /// A body fits through from one maximal box to the next if it fits into what they have in
 /// common, so the widest way over these boxes is the widest that there is: a body would
@@ -90,22 +92,29 @@ pub fn blocked<const D: usize>(
     bounds: &AxisBox<D>,
     room: &Vector<D>,
     traveller: &Traveller<D>,
-    most_steps: usize,
-) -> Option<Blocked<D>> {
-    let on_the_way = on_the_way(boxes.to_vec(), bounds, room, traveller, most_steps);
-    on_the_way.or_else(|| {
-        let all = (0..boxes.len()).collect::<Vec<_>>();
+    budget: &Budget<'_>,
+) -> Result<Option<Blocked<D>>, Spent> {
+    let count = boxes.len();
+    budget.step(STEPS_PER_BOX * count as u64)?;
+    let per_box = size_of::<AxisBox<D>>() + size_of::<usize>();
+    let _held = Held::new(budget, count * per_box + BoxTree::<D>::bytes_for(count))?;
+    let found = on_the_way(boxes.to_vec(), bounds, room, traveller, budget)?;
+    Ok(found.or_else(|| {
+        let all = (0..count).collect::<Vec<_>>();
         no_room(boxes, &all, room).map(Blocked::NoRoom)
-    })
+    }))
 }
+
+/// Boxes are copied, and looked at for the start, the goal and room.
+const STEPS_PER_BOX: u64 = 4;
 
 fn on_the_way<const D: usize>(
     mut boxes: Vec<AxisBox<D>>,
     bounds: &AxisBox<D>,
     room: &Vector<D>,
     traveller: &Traveller<D>,
-    most_steps: usize,
-) -> Option<Blocked<D>> {
+    budget: &Budget<'_>,
+) -> Result<Option<Blocked<D>>, Spent> {
     let (inner, end) = (boxes.len(), traveller.end);
     if let End::Exit(exit) = end {
         open_mouth(&mut boxes, bounds, exit, traveller.needs_along(exit.axis).1);
@@ -116,10 +125,10 @@ fn on_the_way<const D: usize>(
     let starts = around(&traveller.least, &traveller.greatest);
     if starts.is_empty() {
         let Traveller { least, greatest, .. } = *traveller;
-        return Some(Blocked::StartTaken(Place { min: least, max: greatest }));
+        return Ok(Some(Blocked::StartTaken(Place { min: least, max: greatest })));
     }
     if let Some(passage) = no_room(&boxes, &starts, room).filter(Passage::is_too_narrow) {
-        return Some(Blocked::NarrowStart(passage));
+        return Ok(Some(Blocked::NarrowStart(passage)));
     }
     let goals = match end {
         End::Exit(_) => Vec::new(),
@@ -127,10 +136,10 @@ fn on_the_way<const D: usize>(
     };
     if let End::Goal(goal) = end {
         if goals.is_empty() {
-            return Some(Blocked::GoalTaken(Place { min: goal, max: goal }));
+            return Ok(Some(Blocked::GoalTaken(Place { min: goal, max: goal })));
         }
         if let Some(passage) = no_room(&boxes, &goals, room).filter(Passage::is_too_narrow) {
-            return Some(Blocked::NarrowGoal(passage));
+            return Ok(Some(Blocked::NarrowGoal(passage)));
         }
     }
     let is_end = |index: usize| match end {
@@ -138,13 +147,17 @@ fn on_the_way<const D: usize>(
         End::Goal(_) => goals.binary_search(&index).is_ok(),
     };
     let mut tree = BoxTree::default();
-    tree.build(boxes.len(), |index| (boxes[index].min(), boxes[index].max()));
+    tree.build(boxes.len(), |index| (boxes[index].min(), boxes[index].max()), budget)?;
     let space = Space { channels: &boxes, tree: &tree, traveller, room: Some(*room) };
-    let way = space.widest_way(&starts, is_end, most_steps).ok()?;
-    let scene = Scene { space, bounds };
+    let way = match space.widest_way(&starts, is_end, budget) {
+        Ok(way) => way,
+        Err(Unknown::Spent(spent)) if !is_of_the_search(&spent) => return Err(spent),
+        Err(_) => return Ok(None),
+    };
+    let scene = Scene { space, bounds, budget };
     match way.junction {
         Some(junction) => scene.at_junction(&way, junction),
-        None => scene.in_one_box(&way),
+        None => Ok(scene.in_one_box(&way)),
     }
 }
 
@@ -209,18 +222,19 @@ fn no_room<const D: usize>(
 struct Scene<'a, const D: usize> {
     space: Space<'a, D>,
     bounds: &'a AxisBox<D>,
+    budget: &'a Budget<'a>,
 }
 
 impl<const D: usize> Scene<'_, D> {
-    fn at_junction(&self, way: &Way, junction: usize) -> Option<Blocked<D>> {
+    fn at_junction(&self, way: &Way, junction: usize) -> Result<Option<Blocked<D>>, Spent> {
         let boxes = self.space.channels;
         let (one, other) = (&boxes[way.route[junction]], &boxes[way.route[junction + 1]]);
         let (axis, others) = (way.lack.axis, self.other_places(way));
         let has = extent(one, other, axis);
-        match way.lack.change {
+        Ok(match way.lack.change {
             Change::Nothing | Change::Gap => None,
             Change::Junction => {
-                let place = self.trimmed(self.passage(way, junction, axis), axis, &way.lack);
+                let place = self.trimmed(self.passage(way, junction, axis), axis, &way.lack)?;
                 let needs = self.space.traveller.needs_along(axis).0;
                 let passage = Passage { place, axis, needs, has };
                 Some(Blocked::Narrow { passage, junction, others })
@@ -231,7 +245,7 @@ impl<const D: usize> Scene<'_, D> {
                 let thickness = (-has).max(0.0);
                 Some(Blocked::Wall { place, axis, thickness, needs, junction, others })
             }
-        }
+        })
     }
 
     /// A box that start and end both lie in, and that the body just fills.
@@ -283,7 +297,7 @@ impl<const D: usize> Scene<'_, D> {
 
     /// Without the ends that lie in wider boxes as well, as the way may have led along the
     /// narrow one through rooms beside it; whole along an axis where these leave nothing.
-    fn trimmed(&self, place: Place<D>, axis: usize, worst: &Lack) -> Place<D> {
+    fn trimmed(&self, place: Place<D>, axis: usize, worst: &Lack) -> Result<Place<D>, Spent> {
         let boxes = self.space.channels;
         let has = place.max[axis] - place.min[axis];
         let is_wider = |free: &AxisBox<D>| {
@@ -291,7 +305,7 @@ impl<const D: usize> Scene<'_, D> {
             free.size()[axis] > has && (0..D).all(|axis| lack(axis) < worst.metres)
         };
         let mut rest = place;
-        self.space.tree.visit(&place.min, &place.max, 0.0, |index| {
+        self.space.tree.visit(&place.min, &place.max, 0.0, self.budget, |index| {
             let (min, max) = (boxes[index].min(), boxes[index].max());
             let covers = |axis: usize| min[axis] <= place.min[axis] && place.max[axis] <= max[axis];
             let mut uncovered = (0..D).filter(|axis| !covers(*axis));
@@ -306,13 +320,13 @@ impl<const D: usize> Scene<'_, D> {
                 }
             }
             0.0
-        });
+        })?;
         for along in 0..D {
             if rest.min[along] >= rest.max[along] {
                 (rest.min[along], rest.max[along]) = (place.min[along], place.max[along]);
             }
         }
-        rest
+        Ok(rest)
     }
 
     /// How many places on the way are too narrow or walled, besides the worst. A doorway is

@@ -3,6 +3,7 @@
 use super::label::{Label, NONE};
 use super::mover::{Motion, Step};
 use super::{SAME_LENGTH, Search, Traveller};
+use crate::budget::{Budget, Spent};
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::walls::Walls;
@@ -170,22 +171,37 @@ impl Driving {
     }
 
     /// The line from a root to a circle, if the cone holds it and nothing is in the way.
-    fn line(&self, search: &Search<'_, 2>, root: &Root, circle: &Circle) -> Option<Tangent> {
-        let line = tangent(&root.circle, circle)?;
+    fn line(
+        &self,
+        search: &Search<'_, 2>,
+        root: &Root,
+        circle: &Circle,
+    ) -> Result<Option<Tangent>, Spent> {
+        let Some(line) = tangent(&root.circle, circle) else { return Ok(None) };
         let blocked = || !self.blocked.is_empty() && self.blocked.contains(&[root.circle, *circle]);
         let passes = root.cone.holds(&line.direction) && !blocked();
-        (passes && search.walls.is_none_or(|walls| self.is_clear(walls, &line))).then_some(line)
+        let is_free = passes
+            && match search.walls {
+                Some(walls) => self.is_clear(walls, &line, search.budget)?,
+                None => true,
+            };
+        Ok(is_free.then_some(line))
     }
 
     /// Whether no wall is so near a line that the robot's side would touch it.
-    fn is_clear(&self, walls: &Walls<2>, line: &Tangent) -> bool {
+    fn is_clear(
+        &self,
+        walls: &Walls<2>,
+        line: &Tangent,
+        budget: &Budget<'_>,
+    ) -> Result<bool, Spent> {
         let (from, to) = (&line.from, &line.to);
         let mut clear = true;
-        walls.near(&from.inf(to), &from.sup(to), self.half_width, |_, wall| {
+        walls.near(&from.inf(to), &from.sup(to), self.half_width, budget, |_, wall| {
             let closest = || distance_segment_segment((from, to), (&wall.from, &wall.to));
             clear = clear && closest().distance > self.half_width;
-        });
-        clear
+        })?;
+        Ok(clear)
     }
 
     /// Whether two roots are the same circle, reached in the same way.
@@ -254,13 +270,13 @@ impl Motion<2> for Driving {
         labels: &[Label<Passage>],
         from: u32,
         corner: &Corner<2>,
-    ) -> [Option<Step<Passage>>; 2] {
+    ) -> Result<[Option<Step<Passage>>; 2], Spent> {
         let (Some(circle), Some(root)) = (self.guiding_circle(corner), self.root(labels, from))
         else {
-            return [None; 2];
+            return Ok([None; 2]);
         };
         let (junction, index) = (&corner.junction, root.index);
-        let turning = self.line(search, &root, &circle).map(|line| {
+        let turning = self.line(search, &root, &circle)?.map(|line| {
             let length = root.length_with(&line);
             let state = Passage::Turning { circle, arrival: line.direction, root: index };
             Step { state, length, estimate: length + (self.goal - line.to).norm() }
@@ -271,15 +287,21 @@ impl Motion<2> for Driving {
             let estimate = root.length + over.max((self.goal - begin).norm());
             Step { state, length: root.length, estimate }
         });
-        [turning, straight]
+        Ok([turning, straight])
     }
 
-    fn finish(&self, search: &Search<'_, 2>, labels: &[Label<Passage>], from: u32) -> Option<f64> {
+    fn finish(
+        &self,
+        search: &Search<'_, 2>,
+        labels: &[Label<Passage>],
+        from: u32,
+    ) -> Result<Option<f64>, Spent> {
         if from == NONE && self.goal == self.traveller.least {
-            return Some(0.0);
+            return Ok(Some(0.0));
         }
-        let root = self.root(labels, from)?;
-        self.line(search, &root, &point(self.goal)).map(|line| root.length_with(&line))
+        let Some(root) = self.root(labels, from) else { return Ok(None) };
+        let line = self.line(search, &root, &point(self.goal))?;
+        Ok(line.map(|line| root.length_with(&line)))
     }
 
     fn compare(

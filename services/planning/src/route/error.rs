@@ -1,5 +1,6 @@
 //! Why there is no route.
 
+use crate::budget::Spent;
 use thiserror::Error;
 
 /// Why there is no route. Channels are named by their index.
@@ -150,12 +151,7 @@ pub enum RouteError {
     /// they are blocked.
     #[error("every route found is blocked")]
     Blocked,
-    /// The search was given up.
-    #[error("no route after {has} pairs of junctions, at most {most} are allowed")]
-    TooManySteps {
-        /// How many were looked at.
-        has: usize,
-        /// How many are allowed.
-        most: usize,
-    },
+    /// The budget ended.
+    #[error(transparent)]
+    Spent(#[from] Spent),
 }

@@ -1,5 +1,6 @@
 //! What following a route says about it.
 
+use crate::budget::Spent;
 use crate::driving::DrivingError;
 use crate::motion::Leg;
 
@@ -23,9 +24,11 @@ pub enum Judgement<T> {
 
 impl<T> Judgement<T> {
     /// What the refusal of a drive says about its route; `legs` are those of the refused path.
-    pub fn of_refusal(refusal: &DrivingError, legs: &[Leg<2>]) -> Self {
+    /// Nothing, if the budget ended.
+    pub fn of_refusal(refusal: &DrivingError, legs: &[Leg<2>]) -> Result<Self, Spent> {
         let junction_of = |leg: usize| legs.get(leg).and_then(|leg| leg.junction);
-        match *refusal {
+        Ok(match *refusal {
+            DrivingError::Spent(spent) => return Err(spent),
             DrivingError::BodyOutside { .. }
             | DrivingError::BodyTouchesWall { .. }
             | DrivingError::GoalOutside { .. }
@@ -38,6 +41,6 @@ impl<T> Judgement<T> {
             // Before the first line or after the last.
             DrivingError::TurnBlocked { leg, .. } => Self::Blocked(junction_of(leg + 1)),
             DrivingError::WallInTheWay { leg, .. } => Self::Blocked(junction_of(leg)),
-        }
+        })
     }
 }

@@ -3,6 +3,7 @@
 use super::label::Label;
 use super::search::Search;
 use super::traveller::Traveller;
+use crate::budget::Spent;
 use crate::free_space::Corner;
 use std::fmt;
 
@@ -38,7 +39,7 @@ pub trait Motion<const D: usize> {
         labels: &[Label<Self::State>],
         from: u32,
         corner: &Corner<D>,
-    ) -> [Option<Step<Self::State>>; 2];
+    ) -> Result<[Option<Step<Self::State>>; 2], Spent>;
 
     /// The length of the whole way if the last step is from this label, out of the last
     /// channel or to the goal, metres.
@@ -47,7 +48,7 @@ pub trait Motion<const D: usize> {
         search: &Search<'_, D>,
         labels: &[Label<Self::State>],
         from: u32,
-    ) -> Option<f64>;
+    ) -> Result<Option<f64>, Spent>;
 
     /// Compares a new label with those of the same slot, which begin with its `next`: marks
     /// what is useless beside it; whether it is of use itself. Counts the labels looked at.

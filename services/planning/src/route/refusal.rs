@@ -9,14 +9,13 @@ use crate::free_space::{Chain, ChainError};
 pub(super) fn why_not<const D: usize>(
     search: &Search<'_, D>,
     starts: &[usize],
-    most_steps: usize,
 ) -> Result<Vec<usize>, RouteError> {
     let (channels, traveller) = (search.graph.channels(), &search.traveller);
     let space = Space { channels, tree: search.graph.tree(), traveller, room: None };
-    let way = space.widest_way(starts, |index| search.ends_in(index), most_steps);
+    let way = space.widest_way(starts, |index| search.ends_in(index), search.budget);
     let way = way.map_err(|unknown| match unknown {
         Unknown::Separate { reached } => RouteError::Separate { reached, channels: channels.len() },
-        Unknown::TooManySteps { has } => RouteError::TooManySteps { has, most: most_steps },
+        Unknown::Spent(spent) => spent.into(),
     })?;
     let Some(junction) = way.junction else { return chained(search, way.route) };
     let (first, second) = (way.route[junction], way.route[junction + 1]);
@@ -50,7 +49,8 @@ fn chained<const D: usize>(
     let channels = search.graph.channels();
     let along: Vec<_> = route.iter().map(|index| channels[*index]).collect();
     let traveller = &search.traveller;
-    match Chain::default().build(&along, &traveller.center(), traveller.end) {
+    match Chain::default().build(&along, &traveller.center(), traveller.end, search.budget) {
+        Err(ChainError::Spent(spent)) => Err(spent.into()),
         Err(ChainError::Parallel { first, second, axis }) => {
             Err(RouteError::Parallel { first: route[first], second: route[second], axis })
         }

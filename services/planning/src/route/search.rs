@@ -2,10 +2,14 @@
 
 use super::label::number;
 use super::{RouteError, SIGNS, Traveller};
+use crate::budget::{Budget, Spent};
 use crate::free_space::graph::Graph;
 use crate::free_space::walls::Walls;
 use crate::free_space::{End, mouth_of};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
+
+/// So many channels are looked at, for which way they lie, in the time of a step.
+const OTHERS_PER_STEP: u64 = 4;
 
 /// What is looked for.
 pub struct Search<'a, const D: usize> {
@@ -15,6 +19,7 @@ pub struct Search<'a, const D: usize> {
     pub(super) mouth: Option<HalfSpace>,
     /// What stands in the way, where that is known beforehand.
     pub(super) walls: Option<&'a Walls<D>>,
+    pub(super) budget: &'a Budget<'a>,
 }
 
 /// The mouth of the channels that reach farthest along the exit.
@@ -33,14 +38,15 @@ impl<const D: usize> Search<'_, D> {
         let Traveller { least, greatest, .. } = &self.traveller;
         let channels = self.graph.channels();
         starts.clear();
-        self.graph.tree().visit(least, least, 0.0, |index| {
+        self.graph.tree().visit(least, least, 0.0, self.budget, |index| {
             if channels[index].holds(least) && channels[index].holds(greatest) {
                 starts.push(index);
             }
             0.0
-        });
+        })?;
         starts.sort_unstable();
         if starts.is_empty() {
+            self.budget.step(channels.len() as u64)?;
             let (channel, axis, body, end) = nearest(channels, least, greatest);
             return Err(RouteError::StartOutside { channel, axis, body, end });
         }
@@ -51,11 +57,12 @@ impl<const D: usize> Search<'_, D> {
         let End::Goal(goal) = self.traveller.end else { return Ok(()) };
         let channels = self.graph.channels();
         let mut found = false;
-        self.graph.tree().visit(&goal, &goal, 0.0, |_| {
+        self.graph.tree().visit(&goal, &goal, 0.0, self.budget, |_| {
             found = true;
             -1.0
-        });
+        })?;
         if !found {
+            self.budget.step(channels.len() as u64)?;
             let (channel, axis, goal, end) = nearest(channels, &goal, &goal);
             return Err(RouteError::GoalOutside { channel, axis, goal, end });
         }
@@ -72,23 +79,28 @@ impl<const D: usize> Search<'_, D> {
 
     /// The directions in which something lies in the channel behind a slot: another
     /// junction, or the end.
-    pub(super) fn onwards(&self, before: usize, slot: usize) -> u8 {
+    pub(super) fn onwards(&self, before: usize, slot: usize) -> Result<u8, Spent> {
         let (graph, here) = (self.graph, self.graph.neighbour_at(slot));
         let directions = (0..D).flat_map(|axis| SIGNS.map(|sign| Direction { axis, sign }));
         if self.ends_in(here) {
-            return directions.fold(0, |bits, direction| bits | 1 << number(direction));
+            return Ok(directions.fold(0, |bits, direction| bits | 1 << number(direction)));
         }
         let channel = &graph.channels()[here];
-        let Some(junction) = graph.channels()[before].intersection(channel) else { return 0 };
+        let Some(junction) = graph.channels()[before].intersection(channel) else { return Ok(0) };
         let center = junction.center();
-        let others = || graph.slots(here).map(|slot| graph.neighbour_at(slot));
-        let leads_on = |direction: &Direction| {
-            others().any(|other| {
-                let other = (other != before).then(|| &graph.channels()[other]);
-                other.is_some_and(|other| lies_towards(*direction, &center, channel, other))
-            })
-        };
-        directions.filter(leads_on).fold(0, |bits, direction| bits | 1 << number(direction))
+        let mut others = 0;
+        let mut onwards = 0;
+        for direction in directions {
+            let leads_on = graph.slots(here).any(|slot| {
+                others += 1;
+                let other = graph.neighbour_at(slot);
+                other != before
+                    && lies_towards(direction, &center, channel, &graph.channels()[other])
+            });
+            onwards |= u8::from(leads_on) << number(direction);
+        }
+        self.budget.step(1 + others / OTHERS_PER_STEP)?;
+        Ok(onwards)
     }
 
     /// The junction of a channel with its neighbour, if the traveller fits.

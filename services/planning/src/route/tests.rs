@@ -1,6 +1,7 @@
 use super::*;
+use crate::budget::Limits;
 use crate::disassembly::{Gap, Path, disassemble};
-use crate::free_space::solids::{Caps, Solids};
+use crate::free_space::solids::Solids;
 use crate::free_space::{Chain, mouth_of};
 use crate::geometry::{AxisBox, Direction, Vector};
 use crate::section_4::{CHANNELS, MALE};
@@ -15,8 +16,6 @@ use scenes::{Crowd, corridors, crowd, solids_around};
 const UP: Direction = Direction { axis: 1, sign: Sign::Positive };
 const RIGHT: Direction = Direction { axis: 0, sign: Sign::Positive };
 
-const MOST: usize = 1 << 20;
-
 fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
     AxisBox::new(min.into(), max.into()).expect("a box")
 }
@@ -26,8 +25,8 @@ fn find<const D: usize, M: Motion<D> + Clone>(
     motion: &M,
 ) -> Result<(Vec<usize>, f64), RouteError> {
     let (mut graph, mut router) = (Graph::default(), Router::default());
-    graph.build(channels, MOST).expect("few junctions");
-    let result = router.find(&graph, &mut motion.clone(), MOST);
+    graph.build(channels, &Budget::default()).expect("few junctions");
+    let result = router.find(&graph, &mut motion.clone(), &Budget::default());
     assert_eq!(router.route().is_empty(), result.is_err());
     result.map(|()| (router.route().to_vec(), router.length()))
 }
@@ -284,15 +283,18 @@ fn memory_is_as_documented() {
 #[test]
 fn steps_and_junctions_are_capped() {
     let mut graph = Graph::default();
-    graph.build(&section_4(), 3).expect("3 junctions");
+    let limits = Limits { junctions: 3, route_steps: 3, ..Limits::NONE };
+    let budget = Budget::new(limits);
+    graph.build(&section_4(), &budget).expect("3 junctions");
     assert_eq!(graph.junctions(), 3);
     assert_eq!(graph.neighbours(1).collect::<Vec<_>>(), [0, 2]);
     let mut router = Router::default();
     let mut male = male(Gap::Safest);
-    let result = router.find(&graph, &mut male, 3);
-    assert!(matches!(result, Err(RouteError::TooManySteps { most: 3, .. })), "{result:?}");
-    let error = crate::free_space::graph::GraphError::TooManyJunctions { has: 3, most: 2 };
-    assert_eq!(graph.build(&section_4(), 2), Err(error));
+    let result = router.find(&graph, &mut male, &budget);
+    assert_eq!(result, Err(Spent::Limit { cap: Cap::RouteSteps, most: 3 }.into()));
+    let few = Budget::new(Limits { junctions: 2, ..limits });
+    assert_eq!(graph.build(&section_4(), &few), Err(Spent::Limit { cap: Cap::Junctions, most: 2 }));
+    assert_eq!(few.drawn(Cap::Bytes), 0);
     assert_eq!(graph.channels(), []);
 }
 
@@ -300,8 +302,8 @@ fn steps_and_junctions_are_capped() {
 fn length_along<const D: usize>(crowd: &Crowd<D>, route: &[usize], gap: Gap<'_, D>) -> Option<f64> {
     let channels: Vec<_> = route.iter().map(|index| crowd.channels[*index]).collect();
     let (mut chain, mut path) = (Chain::default(), Path::default());
-    chain.build(&channels, &crowd.body.center(), End::Exit(crowd.exit)).ok()?;
-    disassemble(&chain, &crowd.body, gap, &mut path).ok()?;
+    chain.build(&channels, &crowd.body.center(), End::Exit(crowd.exit), &Budget::default()).ok()?;
+    disassemble(&chain, &crowd.body, gap, &mut path, &Budget::default()).ok()?;
     Some(path.length())
 }
 
@@ -382,7 +384,7 @@ fn check_chain_from_its_walls<const D: usize>(
     let mut solids = Solids::default();
     let bounds = solids_around(crowd, &mut solids);
     let mut channels = Vec::new();
-    let found = solids.channels(&bounds, &crowd.body.size(), &Caps::default(), &mut channels);
+    let found = solids.channels(&bounds, &crowd.body.size(), &Budget::default(), &mut channels);
     found.expect("few channels");
     let mouth = farthest(&crowd.channels, crowd.exit);
     let ends = crowd.channels.iter().filter(|c| Some(mouth_of(*c, crowd.exit)) == mouth);

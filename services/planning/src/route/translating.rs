@@ -4,6 +4,7 @@ use super::label::Label;
 use super::mover::{Motion, Step};
 use super::traveller::Traveller;
 use super::{RouteError, Search};
+use crate::budget::Spent;
 use crate::disassembly::{Gap, out_of_the_mouth, target};
 use crate::free_space::{Corner, End};
 use crate::geometry::{AxisBox, Vector};
@@ -102,7 +103,7 @@ impl<const D: usize> Motion<D> for Translating<D> {
         labels: &[Label<Vector<D>>],
         from: u32,
         corner: &Corner<D>,
-    ) -> [Option<Step<Vector<D>>>; 2] {
+    ) -> Result<[Option<Step<Vector<D>>>; 2], Spent> {
         let Traveller { least, greatest, .. } = &self.traveller;
         let (from, length) = so_far(labels, from);
         let gap = self.gap_in(&corner.junction);
@@ -110,7 +111,7 @@ impl<const D: usize> Motion<D> for Translating<D> {
         let length = length + (at - from).norm();
         // What is missing to the mouth or the goal in a straight line.
         let missing = (self.destination(search, &at) - at).norm();
-        [Some(Step { state: at, length, estimate: length + missing }), None]
+        Ok([Some(Step { state: at, length, estimate: length + missing }), None])
     }
 
     fn finish(
@@ -118,9 +119,9 @@ impl<const D: usize> Motion<D> for Translating<D> {
         search: &Search<'_, D>,
         labels: &[Label<Vector<D>>],
         from: u32,
-    ) -> Option<f64> {
+    ) -> Result<Option<f64>, Spent> {
         let (from, length) = so_far(labels, from);
-        Some(length + (self.destination(search, &from) - from).norm())
+        Ok(Some(length + (self.destination(search, &from) - from).norm()))
     }
 
     /// The coordinate that a rule leaves alone in three dimensions depends on

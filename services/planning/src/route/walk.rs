@@ -3,17 +3,23 @@
 use super::label::{Ending, Entry, Label, NONE, Way, number};
 use super::search::{Search, lies_towards};
 use super::{Motion, Router, SIGNS, UNKNOWN};
+use crate::budget::Spent;
 use crate::free_space::{Corner, End, all_axes, longest, proper, towards};
 use crate::geometry::Direction;
 
 impl<const D: usize, M: Motion<D>> Router<D, M> {
     /// All first steps out of a channel that the traveller is in.
-    pub(super) fn start_in(&mut self, search: &Search<'_, D>, motion: &M, first: usize) {
+    pub(super) fn start_in(
+        &mut self,
+        search: &Search<'_, D>,
+        motion: &M,
+        first: usize,
+    ) -> Result<(), Spent> {
         let channel = &search.graph.channels()[first];
         let start = search.traveller.center();
         if search.ends_in(first) {
             // Any axis will do.
-            self.finish(search, motion, first, NONE, 0);
+            self.finish(search, motion, first, NONE, 0)?;
         }
         for slot in search.graph.slots(first) {
             self.steps += 1;
@@ -29,10 +35,11 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 for sign in SIGNS {
                     let leaving = Direction { axis: leaving, sign };
                     let corner = Corner { junction, approach, leaving };
-                    self.enter(search, motion, (first, slot), &corner, forced, (NONE, 0));
+                    self.enter(search, motion, (first, slot), &corner, forced, (NONE, 0))?;
                 }
             }
         }
+        Ok(())
     }
 
     /// All steps on from a junction.
@@ -42,12 +49,12 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         motion: &M,
         index: u32,
         label: &Label<M::State>,
-    ) {
+    ) -> Result<(), Spent> {
         let (approach, leaving) = (label.way.approach(), label.way.leaving());
         let (graph, before) = (search.graph, label.channel as usize);
         let here = graph.neighbour_at(label.slot as usize);
         let channel = &graph.channels()[here];
-        let Some(from) = graph.channels()[before].intersection(channel) else { return };
+        let Some(from) = graph.channels()[before].intersection(channel) else { return Ok(()) };
         let center = from.center();
         let mine = proper(&from, channel);
         // What the channel before needs for itself.
@@ -60,7 +67,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                     .map(|axis| towards(&center, &goal, axis)),
             };
             if out == Some(leaving) {
-                self.finish(search, motion, here, index, label.junctions);
+                self.finish(search, motion, here, index, label.junctions)?;
             }
         }
         for slot in graph.slots(here) {
@@ -84,10 +91,11 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                         Corner { junction, approach: leaving, leaving: Direction { axis, sign } };
                     let forced = possible.count_ones() == 1;
                     let from = (index, label.junctions);
-                    self.enter(search, motion, (here, slot), &corner, forced, from);
+                    self.enter(search, motion, (here, slot), &corner, forced, from)?;
                 }
             }
         }
+        Ok(())
     }
 
     /// Opens the label of a step into a junction, if it is of use.
@@ -99,18 +107,18 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         corner: &Corner<D>,
         forced: bool,
         (before, junctions): (u32, u32),
-    ) {
+    ) -> Result<(), Spent> {
         let onwards = match self.onwards[slot] {
             UNKNOWN => {
-                self.onwards[slot] = search.onwards(channel, slot);
+                self.onwards[slot] = search.onwards(channel, slot)?;
                 self.onwards[slot]
             }
             known => known,
         };
         if onwards >> number(corner.leaving) & 1 == 0 {
-            return; // A dead end.
+            return Ok(()); // A dead end.
         }
-        let steps = motion.enter(search, &self.labels, before, corner).into_iter().flatten();
+        let steps = motion.enter(search, &self.labels, before, corner)?.into_iter().flatten();
         // Numbers that overflow can't be compared, and would go round for ever.
         for step in steps.filter(|step| step.estimate.is_finite()) {
             let label = Label {
@@ -125,8 +133,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 beaten: false,
             };
             if motion.compare(&mut self.labels, &label, &mut self.looks) {
-                // Labels are fewer than `NONE`: there are at most 24 per step, and memory
-                // ends before.
+                search.budget.hold(Self::BYTES_PER_LABEL)?;
                 let index = self.labels.len() as u32;
                 self.heads[slot] = index;
                 let Label { junctions, slot, .. } = label;
@@ -134,6 +141,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 self.open.push(Entry { estimate: step.estimate, junctions, slot, label: index });
             }
         }
+        Ok(())
     }
 
     /// Opens the way out of the last channel, or to the goal.
@@ -144,13 +152,21 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         last: usize,
         before: u32,
         junctions: u32,
-    ) {
-        let length = motion.finish(search, &self.labels, before);
-        let Some(length) = length.filter(|length| length.is_finite()) else { return };
+    ) -> Result<(), Spent> {
+        let length = motion.finish(search, &self.labels, before)?;
+        let Some(length) = length.filter(|length| length.is_finite()) else { return Ok(()) };
+        search.budget.hold(Self::BYTES_PER_ENDING)?;
         let index = self.ends.len() as u32;
         self.ends.push(Ending { length, channel: last as u32, before });
         self.open.push(Entry { estimate: length, junctions, slot: NONE, label: index });
+        Ok(())
     }
+
+    /// A label, and that it is open.
+    pub(super) const BYTES_PER_LABEL: usize = size_of::<Label<M::State>>() + size_of::<Entry>();
+
+    /// An ending, and that it is open.
+    pub(super) const BYTES_PER_ENDING: usize = size_of::<Ending>() + size_of::<Entry>();
 }
 
 fn or_all<const D: usize>(axes: u8) -> u8 {

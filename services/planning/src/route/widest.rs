@@ -2,6 +2,7 @@
 //! whose worst junction lacks least.
 
 use super::Traveller;
+use crate::budget::{Budget, Cap, Held, Spent};
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Vector};
 use std::cmp::Ordering;
@@ -73,8 +74,14 @@ pub(super) struct Way {
 pub(super) enum Unknown {
     /// So many channels hang together with the start.
     Separate { reached: usize },
-    /// The search was given up after so many pairs.
-    TooManySteps { has: usize },
+    /// The budget ended.
+    Spent(Spent),
+}
+
+impl From<Spent> for Unknown {
+    fn from(spent: Spent) -> Self {
+        Self::Spent(spent)
+    }
 }
 
 /// What a way so far is judged by.
@@ -124,6 +131,14 @@ impl Eq for Reached {}
 /// will do.
 const PART: f64 = 1.0 / 1048576.0;
 
+/// Of every channel the best way there, the channel before, and whether it is done with.
+const BYTES_PER_CHANNEL: usize = size_of::<(Option<Key>, Option<usize>, bool)>();
+
+/// Whether only this search has come to its end, and what was found before still stands.
+pub(super) fn is_of_the_search(spent: &Spent) -> bool {
+    matches!(spent, Spent::Limit { cap: Cap::RouteSteps | Cap::Bytes, .. })
+}
+
 /// More than what sums of two numbers are rounded by, as a part of them.
 const ROUNDING: f64 = 1e-12;
 
@@ -134,7 +149,7 @@ pub(super) fn extent<const D: usize>(one: &AxisBox<D>, other: &AxisBox<D>, axis:
 
 impl<const D: usize> Space<'_, D> {
     /// Finds the widest way from any of `starts` (ascending) to a channel that is an
-    /// end, looking at no more than about `most_steps` pairs of channels. Of equal ways
+    /// end, looking at no more pairs of channels than [`Cap::RouteSteps`]. Of equal ways
     /// it is the one with the fewest junctions that are too small, then with the fewest
     /// channels, then with the lowest index.
     ///
@@ -149,21 +164,28 @@ impl<const D: usize> Space<'_, D> {
         &self,
         starts: &[usize],
         is_end: impl Fn(usize) -> bool,
-        most_steps: usize,
+        budget: &Budget<'_>,
     ) -> Result<Way, Unknown> {
+        budget.restart(Cap::RouteSteps);
+        budget.step(self.channels.len() as u64)?;
         let whole = self.greatest_extent();
-        let (mut steps, mut reach) = (0, 0.0);
+        let mut reach = 0.0;
         let mut best: Option<(Lack, Vec<usize>)> = None;
         let mut connected = None;
         loop {
-            let mut search =
-                |floor| self.search(starts, &is_end, (reach, floor), &mut steps, most_steps);
+            let search = |floor| self.search(starts, &is_end, (reach, floor), budget);
             match search(NOTHING) {
                 Ok((lack, route)) => {
                     let needed = self.reach_for(&lack);
                     if needed <= reach {
                         // The same, now that what must be borne is known.
-                        let route = search(lack).map_or(route, |(_, route)| route);
+                        let route = match search(lack) {
+                            Ok((_, better)) => better,
+                            Err(Unknown::Spent(spent)) if !is_of_the_search(&spent) => {
+                                return Err(spent.into());
+                            }
+                            Err(_) => route,
+                        };
                         return Ok(self.along(route));
                     }
                     best = Some((lack, route));
@@ -175,6 +197,9 @@ impl<const D: usize> Space<'_, D> {
                         return Err(Unknown::Separate { reached: connected });
                     }
                     reach = (2.0 * reach).max(self.least_need()).max(whole * PART);
+                }
+                Err(Unknown::Spent(spent)) if !is_of_the_search(&spent) => {
+                    return Err(spent.into());
                 }
                 Err(unknown) => {
                     // What was found is a way, though there may be a better one.
@@ -271,10 +296,12 @@ impl<const D: usize> Space<'_, D> {
         starts: &[usize],
         is_end: impl Fn(usize) -> bool,
         (reach, floor): (f64, Lack),
-        steps: &mut usize,
-        most_steps: usize,
+        budget: &Budget<'_>,
     ) -> Result<(Lack, Vec<usize>), Unknown> {
         let channels = self.channels;
+        budget.step(channels.len() as u64)?;
+        let for_channels = channels.len().saturating_mul(BYTES_PER_CHANNEL);
+        let mut held = Held::new(budget, for_channels)?;
         let mut best: Vec<Option<Key>> = vec![None; channels.len()];
         let mut before: Vec<Option<usize>> = vec![None; channels.len()];
         let mut done = vec![false; channels.len()];
@@ -304,8 +331,8 @@ impl<const D: usize> Space<'_, D> {
             }
             let this = &channels[channel];
             let (min, max) = (this.min().add_scalar(-reach), this.max().add_scalar(reach));
-            self.tree.visit(&min, &max, 0.0, |next| {
-                *steps += 1;
+            let mut spent = Ok(());
+            self.tree.visit(&min, &max, 0.0, budget, |next| {
                 if !done[next] {
                     let lack = self.lack(this, &channels[next]);
                     let short = key.short + usize::from(lack.change != Change::Nothing);
@@ -317,11 +344,11 @@ impl<const D: usize> Space<'_, D> {
                         open.push(Reached { key, channel: next });
                     }
                 }
-                if *steps > most_steps { -1.0 } else { 0.0 }
-            });
-            if *steps > most_steps {
-                return Err(Unknown::TooManySteps { has: *steps });
-            }
+                spent = budget.draw(Cap::RouteSteps, 1);
+                if spent.is_err() { -1.0 } else { 0.0 }
+            })?;
+            spent?;
+            held.resize(for_channels + open.len() * size_of::<Reached>())?;
         }
         Err(Unknown::Separate { reached })
     }

@@ -1,6 +1,7 @@
 //! The speed profile over the legs.
 
 use super::limits::Limits;
+use crate::budget::{Budget, Spent};
 use crate::motion::{Curve, Leg, wrapped};
 
 /// Legs shorter than this, metres (turns smaller than this, radians), do not move. No square
@@ -79,10 +80,18 @@ impl Profile {
     ///
     /// Legs that neither move nor turn take no time; a line or an arc without length
     /// that turns counts as a turn in place.
-    pub fn plan<const D: usize>(&mut self, legs: &[Leg<D>], limits: &Limits, stops: Stops) {
+    pub fn plan<const D: usize>(
+        &mut self,
+        legs: &[Leg<D>],
+        limits: &Limits,
+        stops: Stops,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        budget.step(legs.len() as u64)?;
         self.bound_forward(legs, limits, stops);
         self.bound_backward();
         self.time(legs.len());
+        Ok(())
     }
 
     /// Duration of the whole motion, seconds.

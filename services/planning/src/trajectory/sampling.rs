@@ -153,16 +153,22 @@ impl Grid {
     }
 }
 
+/// A truncated quotient is off by no more than this.
+const MOST_OFF: usize = 4;
+
 /// The least whole number `k` with `passed(k * step)`; `passed` turns from false to true
 /// at about `bound`.
 pub(super) fn first_multiple(step: f64, passed: impl Fn(f64) -> bool, bound: f64) -> f64 {
     // Truncated, it is off by one at most.
     let mut multiple = (bound / step) as i64 as f64;
-    while multiple > 0.0 && passed((multiple - 1.0) * step) {
-        multiple -= 1.0;
+    let back = |multiple: f64| multiple > 0.0 && passed((multiple - 1.0) * step);
+    let mut left = MOST_OFF;
+    while left > 0 && back(multiple) {
+        (multiple, left) = (multiple - 1.0, left - 1);
     }
-    while !passed(multiple * step) {
-        multiple += 1.0;
+    let mut left = MOST_OFF;
+    while left > 0 && !passed(multiple * step) {
+        (multiple, left) = (multiple + 1.0, left - 1);
     }
     multiple
 }

@@ -1,6 +1,7 @@
 //! What any trajectory promises, over random chains of legs.
 
 use super::*;
+use crate::budget::Budget;
 use crate::geometry::Vector;
 use crate::motion::{Curve, Leg, wrapped};
 use proptest::prelude::*;
@@ -44,7 +45,7 @@ fn drive(start_turn: f64, lines: &[f64], arcs: &[(f64, f64)], goal_turn: f64) ->
 
 fn planned<const D: usize>(legs: &[Leg<D>], limits: &Limits, stops: Stops) -> Profile {
     let mut profile = Profile::default();
-    profile.plan(legs, limits, stops);
+    profile.plan(legs, limits, stops, &Budget::default()).unwrap();
     profile
 }
 
@@ -437,7 +438,7 @@ fn million_legs_are_timed_to_the_last_digits() {
 fn plan_forgets_the_one_before() {
     let legs = drive(1.0, &[5.0, 5.0], &[(1.5, FRAC_PI_2)], 0.5);
     let mut used = planned(&legs, &Limits::default(), Stops::EveryLeg);
-    used.plan(&legs, &Limits::default(), Stops::AtTurns);
+    used.plan(&legs, &Limits::default(), Stops::AtTurns, &Budget::default()).unwrap();
     let fresh = planned(&legs, &Limits::default(), Stops::AtTurns);
     let sampling = Sampling::period(0.1).unwrap();
     assert!(used.samples(&legs, sampling).eq(fresh.samples(&legs, sampling)));

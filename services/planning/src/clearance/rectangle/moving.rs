@@ -3,6 +3,7 @@
 
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND};
+use crate::budget::{Budget, Spent};
 use crate::free_space::walls::Wall;
 use crate::geometry::distance::{distance_segment_box, distance_segment_segment};
 use crate::geometry::{Vector, rotated, unit, unrotated};
@@ -30,6 +31,9 @@ pub(super) struct Moving {
     body: Rectangle,
     half_diagonal: f64,
 }
+
+/// A part of the way takes as long as so many looks at a wall.
+const STEPS_PER_PART: u64 = 8;
 
 /// The body at one moment, and what the bounds need to know about it.
 struct Placed {
@@ -69,7 +73,12 @@ impl Moving {
         (self.from.inf(&to) - extent, self.from.sup(&to) + extent)
     }
 
-    pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {
+    pub(super) fn meet(
+        &self,
+        wall: &Wall<2>,
+        met: &mut Met,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
         let start = self.placed(wall, 0.0, met);
         let end = self.placed(wall, 1.0, met);
         let reach = start.ends.iter().chain(&end.ends).map(|end| end.dot(end)).fold(0.0, f64::max);
@@ -78,17 +87,25 @@ impl Moving {
             corner: self.half_diagonal * turned * turned,
             end: reach.sqrt() * turned * turned + 2.0 * turned * self.length,
         };
-        self.refine(wall, &start, &end, &bend, met);
+        self.refine(wall, (&start, &end), &bend, met, budget)
     }
 
     /// Looks for lesser distances between two placements.
-    fn refine(&self, wall: &Wall<2>, a: &Placed, b: &Placed, bend: &Bend, met: &mut Met) {
+    fn refine(
+        &self,
+        wall: &Wall<2>,
+        (a, b): (&Placed, &Placed),
+        bend: &Bend,
+        met: &mut Met,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        budget.step(STEPS_PER_PART)?;
         let enough = met.value - TURNING_WHILE_MOVING_BOUND;
         let part = b.progress - a.progress;
         let speed = self.length + self.half_diagonal * self.turned.abs();
         let first_touch_is_known = met.value == 0.0 && met.along <= a.progress;
         if first_touch_is_known || (a.distance + b.distance - speed * part) / 2.0 >= enough {
-            return;
+            return Ok(());
         }
         let mut corners = f64::INFINITY;
         for chord in a.corners.iter().zip(&b.corners) {
@@ -102,11 +119,16 @@ impl Moving {
         }
         let eighth = part * part / 8.0;
         if (corners - bend.corner * eighth).min(ends - bend.end * eighth) >= enough {
-            return;
+            return Ok(());
         }
-        let middle = self.placed(wall, a.progress + part / 2.0, met);
-        self.refine(wall, a, &middle, bend, met);
-        self.refine(wall, &middle, b, bend, met);
+        let middle = a.progress + part / 2.0;
+        if !(a.progress < middle && middle < b.progress) {
+            // Two neighbouring numbers: nothing lies between.
+            return Ok(());
+        }
+        let middle = self.placed(wall, middle, met);
+        self.refine(wall, (a, &middle), bend, met, budget)?;
+        self.refine(wall, (&middle, b), bend, met, budget)
     }
 
     /// The body after a part of the way; its distance is offered.

@@ -1,5 +1,6 @@
 //! Facts about the exact clearance, and a dense recheck that shares no code with it.
 
+use crate::budget::Budget;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use proptest::prelude::*;
@@ -140,9 +141,9 @@ pub(crate) fn check_densely(
 
 /// The exact value against the dense recheck; the place must hold the value.
 fn check_curve(footprint: &Footprint, curve: &Curve<2>, walls: &Walls<2>) -> Met {
-    let met = nearest(footprint, curve, walls, 0.1);
+    let met = nearest(footprint, curve, walls, 0.1, &Budget::default()).unwrap();
     for guess in [1e-9, 10.0, f64::INFINITY] {
-        let other = nearest(footprint, curve, walls, guess);
+        let other = nearest(footprint, curve, walls, guess, &Budget::default()).unwrap();
         let turns_while_moving = matches!(curve, Curve::Line { turned, .. } if *turned != 0.0);
         let bound = if turns_while_moving { TURNING_WHILE_MOVING_BOUND } else { 0.0 };
         assert!((met.value - other.value).abs() <= bound, "the guess {guess} matters");
@@ -224,9 +225,12 @@ fn footprint_without_extent_is_rejected() {
 #[test]
 fn no_walls_no_clearance() {
     let none = Walls::default();
-    assert_eq!(over_placement(&robot(), &point(0.0, 0.0), 1.0, &none), None);
+    assert_eq!(
+        over_placement(&robot(), &point(0.0, 0.0), 1.0, &none, &Budget::default()).unwrap(),
+        None
+    );
     let turn = Curve::Turn { position: point(0.0, 0.0), from_heading: 0.0, sweep: 1.0 };
-    assert_eq!(over_curve(&robot(), &turn, &none), None);
+    assert_eq!(over_curve(&robot(), &turn, &none, &Budget::default()).unwrap(), None);
 }
 
 #[test]
@@ -234,7 +238,7 @@ fn parallel_wall_is_met_where_it_begins() {
     let curve =
         Curve::Line { from: point(0.0, 0.0), to: point(10.0, 0.0), heading: 0.0, turned: 0.0 };
     let walls = walls(&[[9.0, 0.75, 4.0, 0.75]]);
-    let clearance = over_curve(&robot(), &curve, &walls).unwrap();
+    let clearance = over_curve(&robot(), &curve, &walls, &Budget::default()).unwrap().unwrap();
     assert_eq!((clearance.value, clearance.at), (0.25, 3.25));
     assert_eq!(clearance.wall, point(4.0, 0.75));
 }
@@ -244,7 +248,7 @@ fn wall_across_a_line_is_touched_when_the_front_gets_there() {
     let curve =
         Curve::Line { from: point(0.0, 0.0), to: point(10.0, 0.0), heading: 0.0, turned: 0.0 };
     let walls = walls(&[[5.0, -3.0, 5.0, 3.0]]);
-    let clearance = over_curve(&robot(), &curve, &walls).unwrap();
+    let clearance = over_curve(&robot(), &curve, &walls, &Budget::default()).unwrap().unwrap();
     assert_eq!((clearance.value, clearance.at), (0.0, 4.25));
 }
 

@@ -12,7 +12,8 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
 }
 
 fn polygon(vertices: &[[f64; 2]]) -> Polygon {
-    Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect()).expect("a polygon")
+    Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect(), &Budget::default())
+        .expect("a polygon")
 }
 
 fn section_4() -> Scene<2> {
@@ -25,14 +26,23 @@ fn section_4() -> Scene<2> {
 
 fn plan<const D: usize>(scene: &Scene<D>, gap: Gap<'_, D>) -> (Chain<D>, Path<D>) {
     let (mut chain, mut path) = (Chain::default(), Path::default());
-    chain.build(&scene.channels, &scene.body.center(), End::Exit(scene.exit)).expect("a chain");
-    disassemble(&chain, &scene.body, gap, &mut path).expect("a path");
+    chain
+        .build(&scene.channels, &scene.body.center(), End::Exit(scene.exit), &Budget::default())
+        .expect("a chain");
+    disassemble(&chain, &scene.body, gap, &mut path, &Budget::default()).expect("a path");
     (chain, path)
 }
 
 fn complement<const D: usize>(chain: &Chain<D>) -> Walls<D> {
     let mut walls = Walls::default();
-    walls.set_complement(chain.channels(), chain.mouth(), &mut Complement::default());
+    walls
+        .set_complement(
+            chain.channels(),
+            chain.mouth(),
+            &mut Complement::default(),
+            &Budget::default(),
+        )
+        .unwrap();
     walls
 }
 
@@ -41,7 +51,7 @@ fn solids(solids: &[Polygon]) -> Walls<2> {
     for solid in solids {
         walls.push_polygon(solid);
     }
-    walls.index();
+    walls.index(&Budget::default()).unwrap();
     walls
 }
 
@@ -51,7 +61,9 @@ fn measure<const D: usize>(
     legs: &[Leg<D>],
 ) -> (Clearance<D>, Vec<Clearance<D>>) {
     let mut each = Vec::new();
-    let whole = translating_clearance(body, walls, legs, &mut each).expect("there are walls");
+    let whole = translating_clearance(body, walls, legs, &mut each, &Budget::default())
+        .unwrap()
+        .expect("there are walls");
     (whole, each)
 }
 
@@ -177,8 +189,22 @@ fn nothing_to_measure_is_no_clearance() {
     let body = Body::from_box(&space([0., 0.], [1., 1.]));
     let mut each = Vec::new();
     let legs = [leg([0., 0.], [1., 0.])];
-    assert_eq!(translating_clearance(&body, &Walls::default(), &legs, &mut each), None);
-    assert_eq!(translating_clearance(&body, &solids(&[polygon(&FEMALE)]), &[], &mut each), None);
+    assert_eq!(
+        translating_clearance(&body, &Walls::default(), &legs, &mut each, &Budget::default())
+            .unwrap(),
+        None
+    );
+    assert_eq!(
+        translating_clearance(
+            &body,
+            &solids(&[polygon(&FEMALE)]),
+            &[],
+            &mut each,
+            &Budget::default()
+        )
+        .unwrap(),
+        None
+    );
 }
 
 /// Distance between a point and the closed region of a displaced outline.
@@ -296,7 +322,7 @@ proptest! {
         let walls = complement(&chain);
         let boxed = Body::from_box(&scene.body);
         let corners = boxed.corners();
-        let rectangle = Polygon::new(corners.to_vec()).expect("a rectangle");
+        let rectangle = Polygon::new(corners.to_vec(), &Budget::default()).expect("a rectangle");
         let found = measure(&boxed, &walls, path.legs());
         prop_assert_eq!(&measure(&Body::from_polygon(&rectangle), &walls, path.legs()), &found);
         let general = Body { bounds: scene.body, outline: &corners };

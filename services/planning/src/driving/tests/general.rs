@@ -1,5 +1,6 @@
 //! Table 2 against the general tangents, and what does not depend on orientation.
 
+use crate::budget::Budget;
 use proptest::prelude::*;
 
 use super::scene::{Scene, channel, corridors, mirrored, point, turned};
@@ -101,7 +102,7 @@ proptest! {
             (0..scene.corners.len()).map(|i| parts[i] * scene.balanced()).collect();
         let mut path = Path::default();
         // Very different gaps on both sides of a thin wall: what the refusal says will do, does.
-        while let Err(error) = route(&scene.drive(), Gaps::PerCorner(&gaps), &mut path) {
+        while let Err(error) = route(&scene.drive(), Gaps::PerCorner(&gaps), &mut path, &Budget::default()) {
             let DrivingError::CornersTooClose { first, second, most, .. } = error else {
                 panic!("{error}");
             };
@@ -119,7 +120,7 @@ proptest! {
         let gap = part * scene.balanced();
         let mut path = Path::default();
         let mut length = |gap: f64| {
-            route(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+            route(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
             let sweeps = path.legs().iter().map(|leg| match leg.curve {
                 Curve::Arc { sweep, .. } => sweep.abs(),
                 _ => 0.0,
@@ -144,12 +145,12 @@ proptest! {
         scene.start_turn = if moving { StartTurn::WhileMoving } else { StartTurn::InPlace };
         let gap = Gaps::Uniform(part * scene.balanced());
         let mut path = Path::default();
-        route(&scene.drive(), gap, &mut path).unwrap();
+        route(&scene.drive(), gap, &mut path, &Budget::default()).unwrap();
         let legs = path.legs().to_vec();
         let length = path.length();
         let images = [(mirrored(&scene), mirrored_pose as fn(_) -> _), (turned(&scene), turned_pose)];
         for (other, map) in images {
-            route(&other.drive(), gap, &mut path).unwrap();
+            route(&other.drive(), gap, &mut path, &Budget::default()).unwrap();
             prop_assert_eq!(legs.len(), path.legs().len());
             prop_assert!((length - path.length()).abs() <= 1e-12 * length);
             for (leg, image) in legs.iter().zip(path.legs()) {
@@ -179,7 +180,7 @@ fn eight_orientations_of_one_corridor_are_the_eight_rules() {
     let mut length = None;
     for _ in 0..2 {
         for _ in 0..4 {
-            drive(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
+            drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
             found.push(scene.corners[0].rule.number);
             check_by_rules(&scene, &[0.6], &path);
             check_continuous(&scene, &path);
@@ -213,10 +214,10 @@ fn rows_obey_the_law_of_signs() {
 fn tangent_start_needs_no_turn() {
     let mut scene = ell();
     let mut path = Path::default();
-    route(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
+    route(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let Curve::Turn { sweep, .. } = path.legs()[0].curve else { panic!("{:?}", path.legs()) };
     scene.start.heading += sweep;
-    route(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
+    route(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     assert!(matches!(path.legs()[0].curve, Curve::Line { turned: 0.0, .. }));
 }
 
@@ -226,7 +227,7 @@ fn turning_while_moving_ends_tangent() {
     scene.start_turn = StartTurn::WhileMoving;
     scene.start.heading = 1.0;
     let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let Curve::Line { heading, turned, .. } = path.legs()[0].curve else { panic!() };
     assert!((heading - turned - 1.0).abs() < 1e-15 && turned > 0.0);
     check_continuous(&scene, &path);
@@ -241,7 +242,7 @@ fn half_a_turn_goes_left() {
     scene.start.heading = -std::f64::consts::FRAC_PI_2;
     scene.goal.heading = Some(-std::f64::consts::FRAC_PI_2);
     let mut path = Path::default();
-    route(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
+    route(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let sweeps: Vec<_> = path
         .legs()
         .iter()
@@ -260,10 +261,15 @@ fn goal_at_the_start_is_reached_by_turning() {
     scene.channels.truncate(1);
     scene.goal.position = scene.start.position;
     let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
-    assert!(path.legs().is_empty());
+    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    // Already there, it turns by nothing.
+    let Pose { position, heading } = scene.start;
+    let stays = Curve::Turn { position, from_heading: heading, sweep: 0.0 };
+    assert_eq!(path.legs().iter().map(|leg| leg.curve).collect::<Vec<_>>(), [stays]);
+    assert_eq!(path.length().to_bits(), 0.0_f64.to_bits());
     assert!((path.clearance().unwrap().value - 0.75).abs() < 1e-15);
     scene.goal.heading = Some(0.0);
-    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path).unwrap();
-    assert_eq!(path.legs().len(), 1);
+    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    let sweeps = path.legs().iter().map(|leg| leg.curve).collect::<Vec<_>>();
+    assert!(matches!(sweeps[..], [Curve::Turn { sweep, .. }] if sweep != 0.0), "{sweeps:?}");
 }

@@ -1,5 +1,6 @@
 //! Random corridors: nothing leaves the free space, and the clearance is exact.
 
+use crate::budget::Budget;
 use proptest::prelude::*;
 
 use super::scene::{Scene, corridors};
@@ -52,7 +53,7 @@ proptest! {
         scene.start_turn = if moving { StartTurn::WhileMoving } else { StartTurn::InPlace };
         let gap = part * scene.balanced();
         let mut path = Path::default();
-        drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+        drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
         check_path(&scene, &path);
         // docs/method.md 6.3: with g up to g* nothing comes closer than the corners; only
         // where start or goal are nearer to the inner wall than the guiding circle
@@ -76,7 +77,7 @@ proptest! {
             .map(|(corner, part)| part * scene.balanced().min(corner.width()))
             .collect();
         let mut path = Path::default();
-        if drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut path).is_ok() {
+        if drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut path, &Budget::default()).is_ok() {
             check_path(&scene, &path);
         }
     }
@@ -85,10 +86,10 @@ proptest! {
     fn same_question_same_answer(scene in corridors(20), other in corridors(50), part in 0.1..0.9) {
         let gap = Gaps::Uniform(part * scene.balanced());
         let mut path = Path::default();
-        let first = drive(&scene.drive(), gap, &mut path);
+        let first = drive(&scene.drive(), gap, &mut path, &Budget::default());
         let before = path.clone();
-        let _ = drive(&other.drive(), gap, &mut path);
-        prop_assert_eq!(drive(&scene.drive(), gap, &mut path), first);
+        let _ = drive(&other.drive(), gap, &mut path, &Budget::default());
+        prop_assert_eq!(drive(&scene.drive(), gap, &mut path, &Budget::default()), first);
         prop_assert_eq!(before.legs(), path.legs());
         prop_assert_eq!(before.leg_clearances(), path.leg_clearances());
         prop_assert_eq!((before.clearance(), before.turning()), (path.clearance(), path.turning()));
@@ -106,7 +107,7 @@ proptest! {
         let gap = part * greatest_gap(&scene.footprint, width);
         let mut path = Path::default();
         let scene = super::scene::approached_at(scene, gap);
-        drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+        drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
         let wanted = gap.min(width - outer_radius(&scene.footprint, gap));
         let turning = path.turning().unwrap();
         prop_assert!((turning.value - wanted).abs() < 1e-12, "{} {wanted}", turning.value);

@@ -1,5 +1,6 @@
 //! What is refused, and that what the refusal says will do, does.
 
+use crate::budget::Budget;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::scene::{Scene, channel, corridor_a, point};
@@ -8,11 +9,11 @@ use crate::driving::{Corner, DrivingError, Gaps, Path, Pose, StartTurn, drive, r
 use crate::free_space::walls::Wall;
 
 fn refused(scene: &Scene, gap: f64) -> DrivingError {
-    drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default()).unwrap_err()
+    drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default(), &Budget::default()).unwrap_err()
 }
 
 fn accepted(scene: &Scene, gap: f64) {
-    drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default()).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default(), &Budget::default()).unwrap();
 }
 
 fn block(scene: &mut Scene, [ax, ay, bx, by]: [f64; 4]) {
@@ -33,7 +34,12 @@ fn closed_gap_is_rejected() {
 
 #[test]
 fn gaps_must_be_as_many_as_corners() {
-    let error = drive(&corridor_a().drive(), Gaps::PerCorner(&[0.2]), &mut Path::default());
+    let error = drive(
+        &corridor_a().drive(),
+        Gaps::PerCorner(&[0.2]),
+        &mut Path::default(),
+        &Budget::default(),
+    );
     assert_eq!(error, Err(DrivingError::GapCount { has: 1, needs: 3 }));
 }
 
@@ -74,7 +80,7 @@ fn start_inside_the_guiding_circle_is_rejected_with_what_is_left() {
         panic!();
     };
     assert!((most - (libm::hypot(0.8, 0.5) - 0.5)).abs() < 1e-15);
-    route(&scene.drive(), Gaps::Uniform(most), &mut Path::default()).unwrap();
+    route(&scene.drive(), Gaps::Uniform(most), &mut Path::default(), &Budget::default()).unwrap();
 }
 
 #[test]
@@ -143,7 +149,7 @@ fn wall_in_the_way_names_leg_and_place() {
     let error = refused(&scene, 0.2);
     let DrivingError::WallInTheWay { leg, at, wall } = error else { panic!("{error}") };
     let mut path = Path::default();
-    route(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    route(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     assert_eq!(leg + 1, path.legs().len());
     assert_eq!(wall.x, 16.0);
     assert!((0.0..path.legs()[leg].curve.length()).contains(&at));
@@ -161,8 +167,9 @@ fn thin_wall_between_unequal_gaps_is_refused_with_what_would_do() {
     ];
     let start = Pose { position: point(1.5, 1.5), heading: FRAC_PI_2 };
     let scene = Scene::new(&channels, start, [4.8, 1.5]);
-    let try_gaps =
-        |gaps: [f64; 2]| drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut Path::default());
+    let try_gaps = |gaps: [f64; 2]| {
+        drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut Path::default(), &Budget::default())
+    };
     let Err(DrivingError::CornersTooClose { first: 0, second: 1, has, needs, most }) =
         try_gaps([0.2, 0.9])
     else {
@@ -189,7 +196,7 @@ fn opposite_turns_too_close_are_refused_with_what_would_do() {
         panic!();
     };
     assert!((most - (has - 1.0) / 2.0).abs() < 1e-12);
-    route(&scene.drive(), Gaps::Uniform(most), &mut Path::default()).unwrap();
+    route(&scene.drive(), Gaps::Uniform(most), &mut Path::default(), &Budget::default()).unwrap();
 }
 
 #[test]
@@ -203,14 +210,14 @@ fn corner_that_the_path_does_not_touch_is_left_out() {
     let start = Pose { position: point(2.5, 1.5), heading: FRAC_PI_2 };
     let mut scene = Scene::new(&channels, start, [2.5, 18.0]);
     let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     assert_eq!(path.legs().len(), 1);
     assert_eq!(path.turning(), path.clearance());
     assert!((path.clearance().unwrap().value - 0.75).abs() < 1e-12);
     // From further left the first corner is touched, the second is not.
     scene.start.position.x = 3.4;
     scene.goal.position.x = 3.4;
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     let touched: Vec<_> = path.legs().iter().filter_map(|leg| leg.junction).collect();
     assert_eq!(touched, [0, 0]);
 }
@@ -248,10 +255,10 @@ fn body_inside_a_solid_is_rejected() {
 fn heading_beyond_half_a_turn_is_the_same_heading() {
     let mut scene = corridor_a();
     let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     let legs = path.legs().to_vec();
     scene.start.heading += 4.0 * PI;
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     assert_eq!(legs.len(), path.legs().len());
     assert_eq!(legs[1..], path.legs()[1..]);
 }

@@ -1,5 +1,6 @@
 //! Corridors: the worked ones, and random chains.
 
+use crate::budget::Budget;
 use proptest::prelude::*;
 
 use crate::clearance::rectangle::Footprint;
@@ -32,11 +33,15 @@ impl Scene {
     pub(super) fn new(channels: &[AxisBox<2>], start: Pose, goal: [f64; 2]) -> Self {
         let goal = Goal { position: point(goal[0], goal[1]), heading: None };
         let mut chain = Chain::default();
-        chain.build(channels, &start.position, End::Goal(goal.position)).unwrap();
+        chain
+            .build(channels, &start.position, End::Goal(goal.position), &Budget::default())
+            .unwrap();
         let mut corners = Vec::new();
         corners_of(&chain, &mut corners);
         let mut walls = Walls::default();
-        walls.set_complement(channels, None, &mut Complement::default());
+        walls
+            .set_complement(channels, None, &mut Complement::default(), &Budget::default())
+            .unwrap();
         Self {
             footprint: Footprint::new(1.0, 1.5).unwrap(),
             start,

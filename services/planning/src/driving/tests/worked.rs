@@ -1,6 +1,7 @@
 //! The two corridors that stand in for figure 8, digit by digit.
 
 use super::scene::{Scene, corridor_a, corridor_b};
+use crate::budget::Budget;
 use crate::driving::{Gaps, Path, drive, safest};
 use crate::motion::Curve;
 
@@ -36,7 +37,7 @@ fn check_block(block: &str) {
     let scene = if head.starts_with('A') { corridor_a() } else { corridor_b() };
     let gap = number(head, "gap");
     let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(gap), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
 
     close(path.length(), number(head, "total"));
     let lengths: Vec<_> = path.legs().iter().map(|leg| leg.curve.length()).collect();
@@ -100,7 +101,7 @@ fn worked_corridors_come_out_to_the_last_digits() {
 fn three_metre_corridors_are_safest_with_119_128ths() {
     for scene in [corridor_a(), corridor_b()] {
         let mut path = Path::default();
-        assert_eq!(safest(&scene.drive(), &mut path), Ok(119.0 / 128.0));
+        assert_eq!(safest(&scene.drive(), &mut path, &Budget::default()), Ok(119.0 / 128.0));
         let turning = path.turning().unwrap().value;
         assert!((turning - 119.0 / 128.0).abs() < 1e-12, "{turning}");
     }
@@ -121,7 +122,7 @@ fn clearance_is_met_first_where_the_front_passes_the_corner() {
     // (docs/method.md 6.1), and equally at every corner after.
     let scene = corridor_a();
     let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path).unwrap();
+    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     let clearance = path.clearance().unwrap();
     close(clearance.at, 45.0_f64.sqrt() - 0.75);
     assert!((clearance.wall - scene.corners[0].point).amax() < 1e-12);

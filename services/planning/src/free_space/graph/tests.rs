@@ -26,7 +26,7 @@ pub(crate) fn streets(count: usize) -> Vec<AxisBox<2>> {
 
 fn build<const D: usize>(channels: &[AxisBox<D>]) -> Graph<D> {
     let mut graph = Graph::default();
-    graph.build(channels, usize::MAX).expect("few enough");
+    graph.build(channels, &Budget::default()).expect("few enough");
     graph
 }
 

@@ -63,6 +63,14 @@ impl Axis {
         size_of_val(&*self.coordinates) + sides.iter().sum::<usize>()
     }
 
+    /// The memory that it holds, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let sides = [&self.least, &self.greatest];
+        let numbers = sides.map(|sides| sides.begins.capacity() + sides.solids.capacity());
+        let coordinates = self.coordinates.capacity() * size_of::<f64>();
+        coordinates + numbers.iter().sum::<usize>() * size_of::<u32>()
+    }
+
     /// The coordinate of a rank, metres.
     pub(super) fn at(&self, rank: u32) -> f64 {
         self.coordinates[rank as usize]

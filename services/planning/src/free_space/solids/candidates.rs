@@ -1,6 +1,7 @@
 //! The boxes considered at one time, in an index of those that a solid reaches into.
 
 use super::part::Part;
+use crate::budget::{Budget, Cap, Spent};
 use crate::geometry::Sign;
 
 const NONE: u32 = u32::MAX;
@@ -70,9 +71,25 @@ impl<const D: usize> Candidates<D> {
         (self.unused_nodes, self.unused) = (NONE, NONE);
     }
 
-    /// Adds a part of `bounds`, unless there are as many as `most` already.
-    pub(super) fn insert(&mut self, part: Part<D>, bounds: &Part<D>, most: usize) -> bool {
-        let Some(candidate) = self.store(part, most) else { return false };
+    /// What it holds of its memory, bytes.
+    pub(super) fn held(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.candidates)
+    }
+
+    /// The memory that it holds, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let candidates = self.candidates.capacity() * size_of::<Candidate<D>>();
+        self.nodes.capacity() * size_of::<Node<D>>() + candidates
+    }
+
+    /// Adds a part of `bounds`, unless there are as many as [`Cap::Channels`] already.
+    pub(super) fn insert(
+        &mut self,
+        part: Part<D>,
+        bounds: &Part<D>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        let candidate = self.store(part, budget)?;
         // Where each side can be: its least, and its greatest place.
         let mut least = Part { min: bounds.min, max: bounds.min };
         let mut greatest = Part { min: bounds.max, max: bounds.max };
@@ -90,7 +107,7 @@ impl<const D: usize> Candidates<D> {
         if self.nodes[node].count > MANY {
             self.split(node, &least, &greatest);
         }
-        true
+        budget.step(1)
     }
 
     /// Calls `taken` with all that a solid reaches into, which are candidates no longer;
@@ -99,17 +116,19 @@ impl<const D: usize> Candidates<D> {
         self.take_from(0, solid, taken)
     }
 
-    fn store(&mut self, part: Part<D>, most: usize) -> Option<u32> {
+    fn store(&mut self, part: Part<D>, budget: &Budget<'_>) -> Result<u32, Spent> {
         let candidate = Candidate { part, next: NONE };
         if let Some(unused) = self.candidates.get_mut(self.unused as usize) {
             let index = self.unused;
             self.unused = unused.next;
             *unused = candidate;
-            return Some(index);
+            return Ok(index);
         }
-        let index = u32::try_from(self.candidates.len()).ok().filter(|index| *index != NONE)?;
-        (self.candidates.len() < most).then(|| self.candidates.push(candidate))?;
-        Some(index)
+        budget.check(Cap::Channels, self.candidates.len() + 1)?;
+        let most = Spent::Limit { cap: Cap::Channels, most: NONE.into() };
+        let index = u32::try_from(self.candidates.len()).ok().filter(|index| *index != NONE);
+        self.candidates.push(candidate);
+        index.ok_or(most)
     }
 
     /// Puts a candidate that is counted already into a leaf.
@@ -199,6 +218,7 @@ impl<const D: usize> Candidates<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::budget::Limits;
     use proptest::prelude::*;
 
     const EDGE: u32 = 40;
@@ -221,10 +241,11 @@ mod tests {
             let mut candidates = Candidates::default();
             let (mut expected, mut taken) = (Vec::new(), Vec::new());
             candidates.clear();
+            let budget = Budget::new(Limits { channels: 200, ..Limits::NONE });
             for (parts, solids) in &rounds {
                 for part in parts {
                     let room = expected.len() < 200;
-                    prop_assert_eq!(candidates.insert(*part, &bounds, 200), room);
+                    prop_assert_eq!(candidates.insert(*part, &bounds, &budget).is_ok(), room);
                     expected.extend(room.then_some(*part));
                 }
                 for solid in solids {

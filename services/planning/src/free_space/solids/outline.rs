@@ -1,6 +1,7 @@
 //! Polygons cut into boxes.
 
 use super::SolidsError;
+use crate::budget::{Budget, Cap, Held};
 use crate::geometry::orientation::{Side, side_of_line};
 use crate::geometry::polygon::edges;
 use crate::geometry::{AxisBox, Vector};
@@ -25,22 +26,28 @@ struct Range {
     since: f64,
 }
 
+/// An edge, a height and an upright for each step of an edge, and ranges.
+const BYTES_PER_STEP: usize = 96;
+
+/// Sorting a step of an edge takes as long as so many steps of the budget.
+const STEPS_PER_STEP: u64 = 8;
+
 /// Appends boxes whose union is the polygon, slanted edges replaced by steps
 /// outside of it.
 pub(super) fn cut(
     vertices: &[Vector<2>],
     tolerance: f64,
-    most: usize,
     boxes: &mut Vec<AxisBox<2>>,
+    budget: &Budget<'_>,
 ) -> Result<(), SolidsError> {
     let steps: f64 = edges(vertices).map(|(a, b)| steps_of(&(b - a), tolerance)).sum();
     if steps.is_nan() {
         return Err(SolidsError::ToleranceNotPositive { tolerance, least: 0.0 });
     }
-    let has = boxes.len() as f64 + steps / 2.0;
-    if has > most as f64 {
-        return Err(SolidsError::TooManyPieces { has: has as usize, most });
-    }
+    // Saturates, where steps are more than can be counted.
+    budget.check(Cap::Pieces, boxes.len().saturating_add((steps / 2.0) as usize))?;
+    let _held = Held::new(budget, (steps as usize).saturating_mul(BYTES_PER_STEP))?;
+    budget.step((steps as u64).saturating_mul(STEPS_PER_STEP))?;
     let outline = stairs(vertices, tolerance);
 
     let mut heights: Vec<f64> = outline.iter().map(|point| point[1]).collect();
@@ -75,6 +82,8 @@ pub(super) fn cut(
         }
         within.clear();
         within.extend(ranges.range(upright.low..=upright.high).map(|(low, range)| (*low, *range)));
+        budget.step(within.len() as u64)?;
+        budget.check(Cap::Pieces, boxes.len())?;
         for pair in within.windows(2) {
             let [(low, range), (high, _)] = *pair else { continue };
             if range.winding > 0 && range.since < upright.x {

@@ -14,12 +14,15 @@
 use super::axis::Axis;
 use super::candidates::Candidates;
 use super::part::{Part, RankedSolid, SIGNS};
-use super::{Caps, SolidsError};
+use crate::budget::{Budget, Cap, Held, Spent};
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 
 /// Up to so many solids are looked at without the index.
 const FEW: usize = 16;
+
+/// Sorting a thing takes as long as so many looks at one.
+const SORTING: u64 = 4;
 
 /// Reusable memory.
 #[derive(Debug, Clone, Default)]
@@ -32,15 +35,15 @@ pub(super) struct Sweep<const D: usize> {
     candidates: Candidates<D>,
     hit: Vec<Part<D>>,
     found: Vec<Part<D>>,
-    /// Boxes looked at, in all.
-    pub(super) steps: usize,
+    /// Boxes looked at, and not drawn from the budget yet.
+    steps: usize,
 }
 
 /// What stays the same during a sweep.
 struct Scene<'a, const D: usize> {
     bounds: Part<D>,
     body: &'a Vector<D>,
-    caps: &'a Caps,
+    budget: &'a Budget<'a>,
 }
 
 impl<const D: usize> Sweep<D> {
@@ -49,15 +52,19 @@ impl<const D: usize> Sweep<D> {
         solids: &[AxisBox<D>],
         bounds: &AxisBox<D>,
         body: &Vector<D>,
-        caps: &Caps,
+        budget: &Budget<'_>,
         channels: &mut Vec<AxisBox<D>>,
-    ) -> Result<(), SolidsError> {
-        let bounds = self.take_in(solids, bounds);
+    ) -> Result<(), Spent> {
+        budget.restart(Cap::ChannelSteps);
+        let _for_solids = Held::new(budget, solids.len().saturating_mul(Self::BYTES_PER_SOLID))?;
+        let bounds = self.take_in(solids, bounds, budget)?;
         self.candidates.clear();
         self.found.clear();
         self.steps = 0;
-        self.sweep(&Scene { bounds, body, caps })?;
+        let mut held = Held::new(budget, 0)?;
+        self.sweep(&Scene { bounds, body, budget }, &mut held)?;
 
+        budget.step(SORTING * self.found.len() as u64)?;
         self.found.sort_unstable();
         let corner = |ranks: &[u32; D]| Vector::from_fn(|axis, _| self.axes[axis].at(ranks[axis]));
         // Their extents are positive, so this does not fail.
@@ -67,8 +74,8 @@ impl<const D: usize> Sweep<D> {
         Ok(())
     }
 
-    fn sweep(&mut self, scene: &Scene<'_, D>) -> Result<(), SolidsError> {
-        let Scene { bounds, caps, .. } = scene;
+    fn sweep(&mut self, scene: &Scene<'_, D>, held: &mut Held<'_>) -> Result<(), Spent> {
+        let Scene { bounds, budget, .. } = scene;
         if (0..D).all(|axis| self.is_larger(bounds, axis, scene)) {
             self.insert(*bounds, scene)?;
         }
@@ -81,9 +88,10 @@ impl<const D: usize> Sweep<D> {
                 let part = self.hit[position];
                 let mut before = part;
                 before.max[last] = solid.min[last];
-                if self.is_larger(&before, last, scene) && self.is_held(&before, index, scene, last)
+                if self.is_larger(&before, last, scene)
+                    && self.is_held(&before, index, scene, last)?
                 {
-                    self.push(before, caps)?;
+                    self.push(before, budget)?;
                 }
                 for axis in 0..last {
                     for sign in SIGNS {
@@ -93,7 +101,7 @@ impl<const D: usize> Sweep<D> {
                             Sign::Positive => beside.min[axis] = solid.max[axis],
                         }
                         if self.is_larger(&beside, axis, scene)
-                            && self.is_held(&beside, index, scene, axis)
+                            && self.is_held(&beside, index, scene, axis)?
                         {
                             self.insert(beside, scene)?;
                         }
@@ -101,26 +109,33 @@ impl<const D: usize> Sweep<D> {
                 }
                 let mut behind = part;
                 behind.min[last] = solid.max[last];
-                if self.is_larger(&behind, last, scene) && self.is_held(&behind, index, scene, last)
+                if self.is_larger(&behind, last, scene)
+                    && self.is_held(&behind, index, scene, last)?
                 {
                     self.insert(behind, scene)?;
                 }
-                self.check_steps(caps)?;
+                self.draw(budget, held)?;
             }
-            self.check_steps(caps)?;
+            self.draw(budget, held)?;
         }
         // What is left is a channel up to the far end of the bounds.
         self.hit.clear();
         self.candidates.take(bounds, &mut self.hit);
         for position in 0..self.hit.len() {
-            self.push(self.hit[position], caps)?;
+            self.push(self.hit[position], budget)?;
         }
         Ok(())
     }
 
     /// The solids in the order of the sweep, cut off at the bounds, each once; the
     /// bounds themselves.
-    fn take_in(&mut self, solids: &[AxisBox<D>], bounds: &AxisBox<D>) -> Part<D> {
+    fn take_in(
+        &mut self,
+        solids: &[AxisBox<D>],
+        bounds: &AxisBox<D>,
+        budget: &Budget<'_>,
+    ) -> Result<Part<D>, Spent> {
+        budget.step(SORTING * (D + 1) as u64 * solids.len() as u64)?;
         let inside = || solids.iter().filter_map(|solid| solid.intersection(bounds));
         let unknown = Part { min: [0; D], max: [0; D] };
         self.solids.clear();
@@ -155,14 +170,27 @@ impl<const D: usize> Sweep<D> {
                 let part = &solids[index].part;
                 (corner(&part.min), corner(&part.max))
             };
-            self.tree.build(solids.len(), bounds);
+            self.tree.build(solids.len(), bounds, budget)?;
         }
-        bounds
+        Ok(bounds)
     }
 
-    fn check_steps(&self, caps: &Caps) -> Result<(), SolidsError> {
-        let (has, most) = (self.steps, caps.steps);
-        if has > most { Err(SolidsError::TooIntricate { has, most }) } else { Ok(()) }
+    /// Draws what was done since the last time.
+    fn draw(&mut self, budget: &Budget<'_>, held: &mut Held<'_>) -> Result<(), Spent> {
+        budget.draw(Cap::ChannelSteps, std::mem::take(&mut self.steps) as u64)?;
+        held.resize(size_of_val(&*self.found) + self.candidates.held())
+    }
+
+    /// What solids take on the way, with the index over them.
+    const BYTES_PER_SOLID: usize = 67 * D + 56;
+
+    /// The memory that it holds, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let solids = self.solids.capacity() * size_of::<RankedSolid<D>>();
+        let ends = self.ends.capacity() * size_of::<(f64, u32)>();
+        let parts = (self.hit.capacity() + self.found.capacity()) * size_of::<Part<D>>();
+        let axes = self.axes.iter().map(Axis::bytes).sum::<usize>();
+        solids + ends + parts + axes + self.tree.bytes() + self.candidates.bytes()
     }
 
     /// What it holds, bytes: for the solids without and with the index over them, and
@@ -181,11 +209,8 @@ impl<const D: usize> Sweep<D> {
         at(part.max[axis]) - at(part.min[axis]) > scene.body[axis].max(0.0)
     }
 
-    fn push(&mut self, part: Part<D>, caps: &Caps) -> Result<(), SolidsError> {
-        let (has, most) = (self.found.len() + 1, caps.channels);
-        if has > most {
-            return Err(SolidsError::TooManyChannels { has, most });
-        }
+    fn push(&mut self, part: Part<D>, budget: &Budget<'_>) -> Result<(), Spent> {
+        budget.check(Cap::Channels, self.found.len() + 1)?;
         self.found.push(part);
         Ok(())
     }
@@ -195,11 +220,22 @@ impl<const D: usize> Sweep<D> {
     ///
     /// Known without looking are the sides across `cut`, where it was cut, and,
     /// if that is not the sweep's axis, the far one.
-    fn is_held(&mut self, part: &Part<D>, newest: usize, scene: &Scene<'_, D>, cut: usize) -> bool {
-        (0..D).filter(|axis| *axis != cut).all(|axis| {
+    fn is_held(
+        &mut self,
+        part: &Part<D>,
+        newest: usize,
+        scene: &Scene<'_, D>,
+        cut: usize,
+    ) -> Result<bool, Spent> {
+        for axis in (0..D).filter(|axis| *axis != cut) {
             let signs = if axis == D - 1 { &SIGNS[..1] } else { &SIGNS };
-            signs.iter().all(|sign| self.is_touched(part, newest, scene, axis, *sign))
-        })
+            for sign in signs {
+                if !self.is_touched(part, newest, scene, axis, *sign)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// Whether a solid up to `newest`, or the bounds, touches this side of a part.
@@ -210,10 +246,10 @@ impl<const D: usize> Sweep<D> {
         scene: &Scene<'_, D>,
         axis: usize,
         sign: Sign,
-    ) -> bool {
+    ) -> Result<bool, Spent> {
         let at = part.side(axis, sign);
         if at == scene.bounds.side(axis, sign) {
-            return true;
+            return Ok(true);
         }
         let facing = self.axes[axis].facing(sign, at);
         if facing.len() <= FEW {
@@ -225,7 +261,7 @@ impl<const D: usize> Sweep<D> {
             };
             let found = facing.iter().any(touches);
             self.steps += facing.len();
-            return found;
+            return Ok(found);
         }
         let (mut min, mut max) = (part.min, part.max);
         // No solid taken so far begins later.
@@ -235,7 +271,7 @@ impl<const D: usize> Sweep<D> {
         let [min, max] = [min, max].map(|ranks| Vector::from(ranks.map(f64::from)));
         let (solids, steps) = (&self.solids, &mut self.steps);
         let mut found = false;
-        self.tree.visit(&min, &max, 0.0, |index| {
+        self.tree.visit(&min, &max, 0.0, scene.budget, |index| {
             *steps += 1;
             let solid = &solids[index].part;
             let goes_on = match sign {
@@ -246,15 +282,11 @@ impl<const D: usize> Sweep<D> {
                 && goes_on
                 && (0..D).all(|other| other == axis || solid.overlaps(part, other));
             if found { -1.0 } else { 0.0 }
-        });
-        found
+        })?;
+        Ok(found)
     }
 
-    fn insert(&mut self, part: Part<D>, scene: &Scene<'_, D>) -> Result<(), SolidsError> {
-        let most = scene.caps.channels;
-        match self.candidates.insert(part, &scene.bounds, most) {
-            true => Ok(()),
-            false => Err(SolidsError::TooManyChannels { has: most.saturating_add(1), most }),
-        }
+    fn insert(&mut self, part: Part<D>, scene: &Scene<'_, D>) -> Result<(), Spent> {
+        self.candidates.insert(part, &scene.bounds, scene.budget)
     }
 }

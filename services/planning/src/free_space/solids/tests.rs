@@ -1,4 +1,5 @@
 use super::*;
+use crate::budget::Limits;
 use crate::geometry::orientation::segments_meet;
 use crate::geometry::polygon::edges;
 use crate::section_4::{CHANNELS, FEMALE, MALE};
@@ -11,7 +12,8 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
 }
 
 fn polygon(vertices: &[[f64; 2]]) -> Polygon {
-    Polygon::new(vertices.iter().map(|vertex| Vector::from(*vertex)).collect()).expect("a polygon")
+    Polygon::new(vertices.iter().map(|vertex| Vector::from(*vertex)).collect(), &Budget::default())
+        .expect("a polygon")
 }
 
 fn find<const D: usize>(
@@ -20,13 +22,13 @@ fn find<const D: usize>(
     body: [f64; D],
 ) -> Vec<AxisBox<D>> {
     let mut channels = Vec::new();
-    solids.channels(bounds, &body.into(), &Caps::default(), &mut channels).expect("within caps");
+    solids.channels(bounds, &body.into(), &Budget::default(), &mut channels).expect("within caps");
     channels
 }
 
 fn with_boxes<const D: usize>(boxes: &[AxisBox<D>]) -> Solids<D> {
     let mut solids = Solids::default();
-    boxes.iter().for_each(|solid| solids.push_box(*solid));
+    boxes.iter().for_each(|solid| solids.push_box(*solid, &Budget::default()).unwrap());
     solids
 }
 
@@ -44,7 +46,7 @@ fn check<const D: usize>(
 fn section_4_has_the_channels_of_the_paper() {
     let mut solids = Solids::default();
     // Nothing is slanted, so the tolerance is not looked at.
-    solids.push_polygon(&polygon(&FEMALE), f64::NAN, &Caps::default()).expect("a solid");
+    solids.push_polygon(&polygon(&FEMALE), f64::NAN, &Budget::default()).expect("a solid");
     let male = space(MALE[0], MALE[1]);
     let bounds = solids.cavity(&male, UP).expect("there is a solid");
     assert_eq!(bounds, space([0., 0.], [8., 7.]));
@@ -118,7 +120,7 @@ fn hole_between_solids_is_a_channel() {
 fn slope_is_stepped_outside() {
     let mut solids = Solids::default();
     let roof = polygon(&[[0., 0.], [8., 0.], [4., 2.]]);
-    solids.push_polygon(&roof, 0.5, &Caps::default()).expect("a solid");
+    solids.push_polygon(&roof, 0.5, &Budget::default()).expect("a solid");
     assert_eq!(solids.bounds(), Some(space([0., 0.], [8., 2.])));
     let expected = [
         space([0., 0.5], [1., 3.]),
@@ -141,11 +143,11 @@ fn slope_is_stepped_outside() {
 #[test]
 fn deepest_solid_is_named() {
     let mut solids = Solids::default();
-    solids.push_box(space([0., 0.], [1., 9.]));
+    solids.push_box(space([0., 0.], [1., 9.]), &Budget::default()).unwrap();
     // In two boxes, and still one solid.
     let corner = polygon(&[[0., 0.], [9., 0.], [9., 1.], [2., 1.], [2., 9.], [0., 9.]]);
-    solids.push_polygon(&corner, f64::NAN, &Caps::default()).expect("a solid");
-    solids.push_box(space([6., 0.], [9., 9.]));
+    solids.push_polygon(&corner, f64::NAN, &Budget::default()).expect("a solid");
+    solids.push_box(space([6., 0.], [9., 9.]), &Budget::default()).unwrap();
     let check = |min: [f64; 2], max: [f64; 2], deepest| {
         assert_eq!(solids.deepest(&min.into(), &max.into()), deepest);
     };
@@ -168,13 +170,13 @@ fn check_error(result: Result<(), SolidsError>, error: SolidsError) {
 #[test]
 fn tolerance_must_be_positive() {
     let roof = polygon(&[[0., 0.], [8., 0.], [4., 2.]]);
-    let push = |tolerance| Solids::default().push_polygon(&roof, tolerance, &Caps::default());
+    let push = |tolerance| Solids::default().push_polygon(&roof, tolerance, &Budget::default());
     check_error(push(0.0), SolidsError::ToleranceNotPositive { tolerance: 0.0, least: 0.0 });
     check_error(push(-1.0), SolidsError::ToleranceNotPositive { tolerance: -1.0, least: 0.0 });
     assert!(push(f64::NAN).is_err());
-    let most = Caps::default().pieces;
-    let result = push(1e-300);
-    assert!(matches!(result, Err(SolidsError::TooManyPieces { most: m, .. }) if m == most));
+    let few = Budget::new(Limits { pieces: 1 << 21, ..Limits::NONE });
+    let result = Solids::default().push_polygon(&roof, 1e-300, &few);
+    check_error(result, Spent::Limit { cap: Cap::Pieces, most: 1 << 21 }.into());
 }
 
 #[test]
@@ -182,19 +184,21 @@ fn caps_are_kept() {
     let boxes: Vec<_> =
         (0..20).map(|i| space([2.0 * f64::from(i), 0.], [2.0 * f64::from(i) + 1.0, 1.])).collect();
     let bounds = space([-1., -1.], [40., 3.]);
-    let run = |caps| {
+    let check = |limits, cap, most| {
         let mut channels = vec![bounds];
-        let result = with_boxes(&boxes).channels(&bounds, &[0.5; 2].into(), &caps, &mut channels);
-        assert_eq!(channels, []);
-        result
+        let budget = Budget::new(limits);
+        let body = Vector::repeat(0.5);
+        let result = with_boxes(&boxes).channels(&bounds, &body, &budget, &mut channels);
+        assert_eq!((result, &channels[..]), (Err(Spent::Limit { cap, most }), &[][..]));
+        // What was held is given back.
+        assert_eq!(budget.drawn(Cap::Bytes), 0);
     };
-    let default = Caps::default();
-    let error = SolidsError::TooManyPieces { has: 20, most: 19 };
-    check_error(run(Caps { pieces: 19, ..default }), error);
-    let error = SolidsError::TooManyChannels { has: 6, most: 5 };
-    check_error(run(Caps { channels: 5, ..default }), error);
-    let result = run(Caps { steps: 9, ..default });
-    assert!(matches!(result, Err(SolidsError::TooIntricate { most: 9, .. })), "{result:?}");
+    let none = Limits::NONE;
+    check(Limits { pieces: 19, ..none }, Cap::Pieces, 19);
+    check(Limits { channels: 5, ..none }, Cap::Channels, 5);
+    check(Limits { channel_steps: 9, ..none }, Cap::ChannelSteps, 9);
+    check(Limits { steps: 300, ..none }, Cap::Steps, 300);
+    check(Limits { bytes: 4_000, ..none }, Cap::Bytes, 4_000);
 }
 
 /// Every box between grid lines, looked at one by one.
@@ -324,11 +328,11 @@ proptest! {
         if mirrored {
             vertices.iter_mut().for_each(|vertex| vertex[1] = -vertex[1]);
         }
-        let Ok(polygon) = Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect()) else {
+        let Ok(polygon) = Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect(), &Budget::default()) else {
             return Ok(()); // Flat.
         };
         let mut solids = Solids::default();
-        solids.push_polygon(&polygon, tolerance, &Caps::default()).expect("a solid");
+        solids.push_polygon(&polygon, tolerance, &Budget::default()).expect("a solid");
         for (x, z) in points {
             let point = Vector::from([x, if mirrored { -z } else { z }]);
             let covered = solids.boxes().iter().any(|solid| {
@@ -350,11 +354,11 @@ proptest! {
     fn rectilinear_polygon_is_cut_without_overlap(vertices in skyline()) {
         let straight = |(a, b): (&[f64; 2], &[f64; 2])| a[0] == b[0] || a[1] == b[1];
         let rectilinear = vertices.iter().zip(vertices.iter().skip(1)).all(straight);
-        let Ok(polygon) = Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect()) else {
+        let Ok(polygon) = Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect(), &Budget::default()) else {
             return Ok(()); // Flat.
         };
         let mut solids = Solids::default();
-        solids.push_polygon(&polygon, 0.25, &Caps::default()).expect("a solid");
+        solids.push_polygon(&polygon, 0.25, &Budget::default()).expect("a solid");
         let shoelace: f64 = vertices
             .iter()
             .zip(vertices.iter().cycle().skip(1))

@@ -1,7 +1,9 @@
 //! Walls where nothing but channels is free: the boundary of the union (2.3).
 
 use super::{FEW, Wall, Walls};
+use crate::budget::{Budget, Held, Spent};
 use crate::geometry::HalfSpace;
+use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 use std::cmp::Ordering;
 
@@ -46,23 +48,41 @@ impl<const D: usize> Walls<D> {
         channels: &[AxisBox<D>],
         mouth: Option<HalfSpace>,
         memory: &mut Complement<D>,
-    ) {
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
         self.clear();
+        let done = self.try_set_complement(channels, mouth, memory, budget);
+        if done.is_err() {
+            self.clear();
+        }
+        done
+    }
+
+    fn try_set_complement(
+        &mut self,
+        channels: &[AxisBox<D>],
+        mouth: Option<HalfSpace>,
+        memory: &mut Complement<D>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
         let Complement { neighbours, pieces } = memory;
         pieces.clear();
+        let [mut for_tree, mut held] = [Held::new(budget, 0)?, Held::new(budget, 0)?];
         // The index of the channels first, and of the walls when that is done with.
         let tree = &mut self.tree;
         if channels.len() > FEW {
-            tree.build(channels.len(), |index| (channels[index].min(), channels[index].max()));
+            for_tree.resize(BoxTree::<D>::bytes_for(channels.len()))?;
+            let bounds = |index: usize| (channels[index].min(), channels[index].max());
+            tree.build(channels.len(), bounds, budget)?;
         }
         for (index, channel) in channels.iter().enumerate() {
             neighbours.clear();
             let (min, max) = (channel.min(), channel.max());
             if channels.len() > FEW {
-                tree.visit(&min, &max, 0.0, |other| {
+                tree.visit(&min, &max, 0.0, budget, |other| {
                     neighbours.push(other);
                     0.0
-                });
+                })?;
                 neighbours.sort_unstable();
             } else {
                 neighbours.extend(0..channels.len());
@@ -76,12 +96,15 @@ impl<const D: usize> Walls<D> {
                     }
                     let mut side = Piece { axis, sign, min: low, max: high };
                     if mouth.is_none_or(|mouth| clip(&mut side, &mouth)) {
-                        add_uncovered(side, index, neighbours, channels, pieces);
+                        budget.step(neighbours.len() as u64)?;
+                        let around = (&neighbours[..], channels);
+                        add_uncovered(side, index, around, pieces, (budget, &mut held))?;
                     }
                 }
             }
         }
         tree.clear();
+        budget.step(pieces.len() as u64)?;
         pieces.sort_unstable_by(compare);
         let mut last: Option<Piece<D>> = None;
         for piece in &*pieces {
@@ -96,7 +119,7 @@ impl<const D: usize> Walls<D> {
             }
         }
         self.walls.extend(last.map(wall));
-        self.index();
+        self.index(budget)
     }
 }
 
@@ -124,10 +147,10 @@ fn clip<const D: usize>(piece: &mut Piece<D>, mouth: &HalfSpace) -> bool {
 fn add_uncovered<const D: usize>(
     side: Piece<D>,
     owner: usize,
-    neighbours: &[usize],
-    channels: &[AxisBox<D>],
+    (neighbours, channels): (&[usize], &[AxisBox<D>]),
     pieces: &mut Vec<Piece<D>>,
-) {
+    (budget, held): (&Budget<'_>, &mut Held<'_>),
+) -> Result<(), Spent> {
     let begin = pieces.len();
     pieces.push(side);
     let at = side.min[side.axis];
@@ -150,6 +173,7 @@ fn add_uncovered<const D: usize>(
         // Of two sides in one place the earlier channel's counts.
         if goes_on || (same_side && index < owner) {
             let count = pieces.len();
+            budget.step((count - begin) as u64)?;
             let mut kept = begin;
             for piece in begin..count {
                 let piece = pieces[piece];
@@ -160,11 +184,13 @@ fn add_uncovered<const D: usize>(
             }
             // Close up: what was kept, then the parts of what was cut.
             pieces.drain(kept..count);
+            held.resize(size_of_val(&**pieces))?;
             if pieces.len() == begin {
-                return;
+                break;
             }
         }
     }
+    Ok(())
 }
 
 /// Appends the parts of `piece` beside the box, if the box covers any of it.

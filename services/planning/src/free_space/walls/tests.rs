@@ -12,7 +12,7 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
 
 fn complement<const D: usize>(channels: &[AxisBox<D>], mouth: Option<HalfSpace>) -> Walls<D> {
     let mut walls = Walls::default();
-    walls.set_complement(channels, mouth, &mut Complement::default());
+    walls.set_complement(channels, mouth, &mut Complement::default(), &Budget::default()).unwrap();
     walls
 }
 
@@ -58,7 +58,7 @@ fn walls_are_always_those_asked_for_last() {
     let asked =
         [(&first, mouth), (&first, mouth), (&first, None), (&second, None), (&first, mouth)];
     for (channels, mouth) in asked {
-        walls.set_complement(channels, mouth, &mut memory);
+        walls.set_complement(channels, mouth, &mut memory, &Budget::default()).unwrap();
         assert_eq!(walls.as_slice(), complement(channels, mouth).as_slice());
         walls.push_box(&space([5., 5.], [6., 6.]));
     }
@@ -159,10 +159,12 @@ fn check_search<const D: usize>(walls: &Walls<D>, min: Vector<D>, max: Vector<D>
         distance_squared_box_box((&low, &high), (&min, &max))
     };
     let mut found = Vec::new();
-    walls.near(&min, &max, reach, |index, wall| {
+    let budget = Budget::default();
+    let near = walls.near(&min, &max, reach, &budget, |index, wall| {
         assert_eq!(walls.as_slice()[index], *wall);
         found.push(index);
     });
+    near.unwrap();
     found.sort_unstable();
     let near: Vec<_> = (0..walls.as_slice().len())
         .filter(|index| distance(&walls.as_slice()[*index]) <= reach * reach)
@@ -170,10 +172,11 @@ fn check_search<const D: usize>(walls: &Walls<D>, min: Vector<D>, max: Vector<D>
     assert_eq!(found, near);
 
     let mut nearest = f64::INFINITY;
-    walls.nearest(&min, &max, |_, wall| {
+    let visited = walls.nearest(&min, &max, &budget, |_, wall| {
         nearest = nearest.min(distance(wall).sqrt());
         nearest
     });
+    visited.unwrap();
     let least = walls.as_slice().iter().map(distance).fold(f64::INFINITY, f64::min);
     assert_eq!(nearest, least.sqrt());
 }
@@ -182,7 +185,7 @@ fn check_search<const D: usize>(walls: &Walls<D>, min: Vector<D>, max: Vector<D>
 fn box_and_polygon_make_the_same_walls() {
     let solid = space([1., 2.], [3., 5.]);
     let corners = [[1., 2.], [3., 2.], [3., 5.], [1., 5.]].map(Vector::from);
-    let polygon = Polygon::new(corners.to_vec()).expect("a rectangle");
+    let polygon = Polygon::new(corners.to_vec(), &Budget::default()).expect("a rectangle");
     let (mut boxed, mut outlined) = (Walls::default(), Walls::default());
     boxed.push_box(&solid);
     outlined.push_polygon(&polygon);
@@ -198,8 +201,14 @@ fn box_and_polygon_make_the_same_walls() {
     };
     assert_eq!(sorted(&boxed), sorted(&outlined));
     for walls in [boxed, outlined] {
-        assert_eq!(walls.solid_around(&Vector::from([2.0, 3.0])), Some(0));
-        assert_eq!(walls.solid_around(&Vector::from([0.5, 3.0])), None);
+        assert_eq!(
+            walls.solid_around(&Vector::from([2.0, 3.0]), &Budget::default()).unwrap(),
+            Some(0)
+        );
+        assert_eq!(
+            walls.solid_around(&Vector::from([0.5, 3.0]), &Budget::default()).unwrap(),
+            None
+        );
     }
 }
 
@@ -216,8 +225,14 @@ fn solid_box_in_space_has_six_sides() {
         })
         .sum();
     assert_eq!((walls.as_slice().len(), area), (6, 22.0));
-    assert_eq!(walls.solid_around(&Vector::from([0.5, 1.0, 1.0])), Some(0));
-    assert_eq!(walls.solid_around(&Vector::from([0.5, 1.0, 4.0])), None);
+    assert_eq!(
+        walls.solid_around(&Vector::from([0.5, 1.0, 1.0]), &Budget::default()).unwrap(),
+        Some(0)
+    );
+    assert_eq!(
+        walls.solid_around(&Vector::from([0.5, 1.0, 4.0]), &Budget::default()).unwrap(),
+        None
+    );
 }
 
 proptest! {
@@ -279,12 +294,13 @@ fn search_looks_at_few_of_many_walls() {
     for at in [0.0, 2500.0, 5000.0, 9999.0] {
         let at = Vector::from([at, at]);
         let (mut visits, mut nearest) = (0, f64::INFINITY);
-        walls.nearest(&at, &at, |_, wall| {
+        let visited = walls.nearest(&at, &at, &Budget::default(), |_, wall| {
             visits += 1;
             let (low, high) = wall.bounds();
             nearest = distance_squared_box_box((&low, &high), (&at, &at)).sqrt().min(nearest);
             nearest
         });
+        visited.unwrap();
         assert!(visits < 40, "{visits} of {}", walls.as_slice().len());
     }
 }
@@ -304,7 +320,7 @@ fn work_of_the_complement_grows_as_n_log_n() {
 #[test]
 fn memory_is_as_documented() {
     let (mut walls, mut made) = (Walls::default(), Complement::default());
-    walls.set_complement(&chain(10_000), None, &mut made);
+    walls.set_complement(&chain(10_000), None, &mut made, &Budget::default()).unwrap();
     let Walls { walls: list, solids, tree } = &walls;
     let held = size_of_val(&**list) + size_of_val(&**solids) + tree.memory() + made.memory();
     assert!(held <= 320 * 10_000, "{held} bytes");

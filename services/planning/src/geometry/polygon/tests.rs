@@ -1,8 +1,9 @@
 use super::*;
+use crate::budget::{Cap, Limits};
 use proptest::prelude::*;
 
 fn polygon(vertices: &[[f64; 2]]) -> Result<Polygon, PolygonError> {
-    Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect())
+    Polygon::new(vertices.iter().map(|v| Vector::from(*v)).collect(), &Budget::default())
 }
 
 #[track_caller]
@@ -120,8 +121,10 @@ fn intricate_polygon_is_rejected_in_bounded_time() {
         vertices.extend(if i % 2 == 0 { [near, far] } else { [far, near] });
     }
     vertices.push([-50.0, -50.0]);
-    let error = PolygonError::TooIntricate { vertices: vertices.len(), most: MOST_PAIRS };
-    check_error(&vertices, error);
+    let budget = Budget::new(Limits { steps: 1 << 26, ..Limits::NONE });
+    let vertices = vertices.into_iter().map(Vector::from).collect();
+    let spent = Spent::Limit { cap: Cap::Steps, most: 1 << 26 };
+    assert_eq!(Polygon::new(vertices, &budget), Err(spent.into()));
 }
 
 proptest! {
@@ -138,7 +141,7 @@ proptest! {
         {
             all = all.and_then(|()| check_pair(&vertices, first, second));
         }
-        prop_assert_eq!(check_indexed(&vertices), all);
+        prop_assert_eq!(check_indexed(&vertices, &Budget::default()), all);
     }
 
     /// Star-shaped polygons are simple.

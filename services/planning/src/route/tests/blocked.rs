@@ -4,7 +4,7 @@ use super::*;
 
 fn with_boxes<const D: usize>(boxes: &[AxisBox<D>]) -> Solids<D> {
     let mut solids = Solids::default();
-    boxes.iter().for_each(|solid| solids.push_box(*solid));
+    boxes.iter().for_each(|solid| solids.push_box(*solid, &Budget::default()).unwrap());
     solids
 }
 
@@ -14,7 +14,7 @@ fn all_boxes<const D: usize>(
     room: &Vector<D>,
 ) -> Vec<AxisBox<D>> {
     let mut boxes = Vec::new();
-    solids.channels(bounds, room, &Caps::default(), &mut boxes).expect("few boxes");
+    solids.channels(bounds, room, &Budget::default(), &mut boxes).expect("few boxes");
     boxes
 }
 
@@ -25,7 +25,7 @@ fn look(solids: &[AxisBox<2>], start: [f64; 2], goal: [f64; 2]) -> Option<Blocke
     let bounds = space(BOUNDS.0, BOUNDS.1);
     let boxes = all_boxes(&mut with_boxes(solids), &bounds, &Vector::zeros());
     let robot = Driving::new(start.into(), goal.into(), Vector::repeat(2.0), (1.0, 0.2));
-    blocked(&boxes, &bounds, &Vector::repeat(1.0), robot.traveller(), MOST)
+    blocked(&boxes, &bounds, &Vector::repeat(1.0), robot.traveller(), &Budget::default()).unwrap()
 }
 
 fn place(min: [f64; 2], max: [f64; 2]) -> Place<2> {
@@ -189,7 +189,8 @@ fn check_missing<const D: usize>(
     let mut solids = with_boxes(&boxes);
     let all = all_boxes(&mut solids, &bounds, &Vector::zeros());
     let body_out = Translating::new(body, Gap::Safest, End::Exit(exit)).expect("a traveller");
-    let found = blocked(&all, &bounds, &body.size(), body_out.traveller(), MOST);
+    let found =
+        blocked(&all, &bounds, &body.size(), body_out.traveller(), &Budget::default()).unwrap();
     const LITTLE: f64 = 1.0 / 64.0;
     match found {
         None => prop_assert!(gets_out(&mut solids, &bounds, body, exit, 0.0)),

@@ -1,6 +1,7 @@
 //! What is said where there is no route.
 
 use super::*;
+use crate::budget::Limits;
 use crate::route::widest::{Change, Space, extent};
 
 #[test]
@@ -86,12 +87,16 @@ fn only_what_would_take_too_long_is_not_told() {
         .map(|index| space([3.0 * f64::from(index), 0.], [3.0 * f64::from(index) + 1.5, 2.]))
         .collect();
     let (mut graph, mut router) = (Graph::default(), Router::default());
-    graph.build(&channels, MOST).expect("few junctions");
+    graph.build(&channels, &Budget::default()).expect("few junctions");
     let mut traveller = body([0.25, 0.5], [1.25, 1.5], Gap::Safest, End::Exit(RIGHT));
-    let error = router.find(&graph, &mut traveller, 20);
+    let error = router.find(&graph, &mut traveller, &steps(20));
     assert_eq!(error, Err(RouteError::Separate { reached: 1, channels: 40 }));
-    let error = router.find(&graph, &mut traveller, 1000);
+    let error = router.find(&graph, &mut traveller, &steps(1000));
     assert!(matches!(error, Err(RouteError::Apart { apart: 1.5, others: 38, .. })), "{error:?}");
+}
+
+fn steps(route_steps: u64) -> Budget<'static> {
+    Budget::new(Limits { route_steps, ..Limits::NONE })
 }
 
 /// What the widest way lacks: the least that joins start and end when junctions are
@@ -136,7 +141,7 @@ fn check_widest<const D: usize>(
     let motion = Translating::new(&crowd.body, gap, End::Exit(crowd.exit));
     let traveller = *motion.expect("a traveller").traveller();
     let mut graph = Graph::default();
-    graph.build(&crowd.channels, MOST).expect("few junctions");
+    graph.build(&crowd.channels, &Budget::default()).expect("few junctions");
     let mouth = farthest(&crowd.channels, crowd.exit);
     let is_end = |index: usize| Some(mouth_of(&crowd.channels[index], crowd.exit)) == mouth;
     let starts: Vec<_> = (0..crowd.channels.len())
@@ -145,7 +150,7 @@ fn check_widest<const D: usize>(
     let channels = graph.channels();
     let room = walled.then(Vector::zeros);
     let space = Space { channels, tree: graph.tree(), traveller: &traveller, room };
-    let way = space.widest_way(&starts, is_end, MOST).expect("a way");
+    let way = space.widest_way(&starts, is_end, &Budget::default()).expect("a way");
     let expected = brute_force(&space, &starts, is_end);
     prop_assert_eq!((way.lack.change, way.lack.metres), expected);
     // The numbers are those of the junction named.
@@ -162,7 +167,7 @@ fn check_widest<const D: usize>(
     prop_assert!(starts.contains(&way.route[0]));
     prop_assert!(is_end(way.route[way.route.len() - 1]));
     // Ties go by index, not by what was looked at before.
-    let again = space.widest_way(&starts, is_end, MOST).expect("a way");
+    let again = space.widest_way(&starts, is_end, &Budget::default()).expect("a way");
     prop_assert_eq!(again.route, way.route);
     Ok(())
 }

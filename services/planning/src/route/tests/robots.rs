@@ -81,7 +81,9 @@ impl Errand {
         path: &mut driving::Path,
     ) -> Result<f64, Refused> {
         let (mut chain, mut corners) = (Chain::default(), Vec::new());
-        chain.build(channels, &self.start, End::Goal(self.goal)).map_err(|_| Refused::Chain)?;
+        chain
+            .build(channels, &self.start, End::Goal(self.goal), &Budget::default())
+            .map_err(|_| Refused::Chain)?;
         corners_of(&chain, &mut corners);
         let task = Drive {
             footprint: Footprint::new(size, size).expect("a footprint"),
@@ -93,7 +95,8 @@ impl Errand {
             corners: &corners,
             walls,
         };
-        driving::drive(&task, Gaps::Uniform(gap), path).map_err(Refused::Drive)?;
+        driving::drive(&task, Gaps::Uniform(gap), path, &Budget::default())
+            .map_err(Refused::Drive)?;
         Ok(path.length())
     }
 
@@ -101,19 +104,23 @@ impl Errand {
     fn find(&self) -> (Result<(Vec<usize>, f64), RouteError>, bool) {
         let mut blocked = false;
         let (mut graph, mut router) = (Graph::default(), Router::default());
-        graph.build(&self.channels, MOST).expect("few junctions");
+        graph.build(&self.channels, &Budget::default()).expect("few junctions");
         let mut path = driving::Path::default();
         let (walls, mut robot) = (Some(&self.walls), self.robot());
-        let found = router.find_judged(&graph, walls, &mut robot, MOST, |route, _| {
-            match self.length_along(route, &mut path) {
-                Ok(length) => Judgement::Accepted { length, value: route.to_vec() },
+        let found = router.find_judged(
+            &graph,
+            walls,
+            &mut robot,
+            &Budget::default(),
+            |route, _| match self.length_along(route, &mut path) {
+                Ok(length) => Ok(Judgement::Accepted { length, value: route.to_vec() }),
                 Err(Refused::Drive(error)) => {
                     blocked = true;
                     Judgement::of_refusal(&error, path.legs())
                 }
                 Err(Refused::Chain) => panic!("{route:?} makes no chain"),
-            }
-        });
+            },
+        );
         let found = found.map(|accepted| {
             assert_eq!(router.route(), accepted, "what was made of another route is returned");
             (accepted, router.length())
@@ -216,12 +223,12 @@ fn errands() -> impl Strategy<Value = Errand> {
                 let min = Vector::from(place) * 12.0;
                 let block = AxisBox::new(min, min + Vector::from(size)).expect("a box");
                 walls.push_box(&block);
-                solids.push_box(block);
+                solids.push_box(block, &Budget::default()).unwrap();
             }
             walls.push_inside(&bounds);
             let mut channels = Vec::new();
             let room = Vector::repeat(size);
-            solids.channels(&bounds, &room, &Caps::default(), &mut channels).expect("few");
+            solids.channels(&bounds, &room, &Budget::default(), &mut channels).expect("few");
             let (start, goal) = (Vector::from(start) * 12.0, Vector::from(goal) * 12.0);
             let holds = |point| channels.iter().any(|channel| channel.holds(point));
             let inside = holds(&start) && holds(&goal);
@@ -241,13 +248,13 @@ fn pillars(side: usize) -> Errand {
         let y = 4.0 * j as f64 + 2.0 + 0.11 * ((i * 5 + j * 11) % 7) as f64;
         let pillar = space([x, y], [x + 0.5, y + 0.5]);
         walls.push_box(&pillar);
-        solids.push_box(pillar);
+        solids.push_box(pillar, &Budget::default()).unwrap();
     }
     walls.push_inside(&bounds);
-    walls.index();
+    walls.index(&Budget::default()).unwrap();
     let mut channels = Vec::new();
     let room = Vector::repeat(0.6);
-    solids.channels(&bounds, &room, &Caps::default(), &mut channels).expect("channels");
+    solids.channels(&bounds, &room, &Budget::default(), &mut channels).expect("channels");
     let (start, goal) = ([1.0, 1.0].into(), [width - 1.2, width - 1.0].into());
     Errand { channels, start, goal, size: 0.6, gap: 0.2, walls }
 }
@@ -268,7 +275,7 @@ fn worked_corridors_are_put_in_order() {
     let check = |channels: &[([f64; 2], [f64; 2])], start: [f64; 2], goal: [f64; 2]| {
         let order: Vec<_> = channels.iter().map(|(min, max)| space(*min, *max)).collect();
         let mut walls = Walls::default();
-        walls.set_complement(&order, None, &mut Complement::default());
+        walls.set_complement(&order, None, &mut Complement::default(), &Budget::default()).unwrap();
         let channels: Vec<_> = order.iter().rev().copied().collect();
         let (start, goal) = (start.into(), goal.into());
         let errand = Errand { channels, start, goal, size: 1.0, gap: 0.2, walls };
@@ -312,7 +319,7 @@ fn robot_that_can_not_turn_round_goes_round_the_block() {
         space([0., 6.], [20., 9.]),
     ];
     let mut walls = Walls::default();
-    walls.set_complement(&channels, None, &mut Complement::default());
+    walls.set_complement(&channels, None, &mut Complement::default(), &Budget::default()).unwrap();
     let (start, goal) = ([8.0, 0.5].into(), [1.5, 4.0].into());
     let errand = Errand { channels, start, goal, size: 0.8, gap: 0.05, walls };
     let ((route, _), blocked) = (errand.find().0.expect("a route"), errand.find().1);

@@ -1,5 +1,6 @@
 //! Random scenes.
 
+use crate::budget::Budget;
 use crate::free_space::solids::Solids;
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use proptest::prelude::*;
@@ -89,7 +90,7 @@ pub(super) fn solids_around<const D: usize>(
         };
         let cell = AxisBox::new(corner(0), corner(1)).expect("a box");
         if !crowd.channels.iter().any(|channel| channel.contains(&cell)) {
-            solids.push_box(cell);
+            solids.push_box(cell, &Budget::default()).unwrap();
         }
     }
     bounds

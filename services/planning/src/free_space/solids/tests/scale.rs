@@ -1,6 +1,7 @@
 //! How work and memory grow, and scenes made to be hard.
 
 use super::*;
+use crate::budget::Limits;
 use crate::free_space::solids::candidates::Candidates;
 use crate::geometry::work;
 
@@ -34,9 +35,13 @@ fn check_work<const D: usize>(
 ) {
     work::check_n_log_n(factor, sizes, |size| {
         let (mut solids, bounds) = scene(size);
-        let mut found = 0;
-        let looks = work::looks(|| found = find(&mut solids, &bounds, [body; D]).len());
-        (solids.boxes().len() + found, solids.sweep.steps + looks)
+        let (budget, body) = (Budget::default(), Vector::repeat(body));
+        let mut found = Vec::new();
+        let looks = work::looks(|| {
+            solids.channels(&bounds, &body, &budget, &mut found).expect("no limit");
+        });
+        let steps = budget.drawn(Cap::ChannelSteps) as usize;
+        (solids.boxes().len() + found.len(), steps + looks)
     });
 }
 
@@ -83,7 +88,7 @@ fn work_in_a_comb_grows_hardly_more() {
         let end = vertices as f64 / 4.0 * 4.0;
         outline.extend([[end, 0.0], [0.0, 0.0]]);
         let mut solids = Solids::default();
-        solids.push_polygon(&polygon(&outline), f64::NAN, &Caps::default()).expect("a solid");
+        solids.push_polygon(&polygon(&outline), f64::NAN, &Budget::default()).expect("a solid");
         let bounds = solids.bounds().expect("a solid");
         (solids, bounds)
     });
@@ -113,16 +118,17 @@ fn memory_is_as_documented() {
 }
 
 /// What the planner allows.
-const CAPS: Caps = Caps { pieces: 1 << 20, channels: 1 << 18, steps: 1 << 26 };
+const LIMITS: Limits =
+    Limits { pieces: 1 << 20, channels: 1 << 18, channel_steps: 1 << 26, ..Limits::NONE };
 
 /// Finds channels larger than 0.1 m within 9 m around all solids: how many, or why not.
-fn count<const D: usize>(boxes: &[AxisBox<D>]) -> Result<usize, SolidsError> {
+fn count<const D: usize>(boxes: &[AxisBox<D>]) -> Result<usize, Spent> {
     let mut solids = with_boxes(boxes);
     let all = solids.bounds().expect("there are solids");
     let margin = Vector::repeat(9.0);
     let bounds = AxisBox::new(all.min() - margin, all.max() + margin).expect("a box");
     let mut channels = Vec::new();
-    solids.channels(&bounds, &Vector::repeat(0.1), &CAPS, &mut channels)?;
+    solids.channels(&bounds, &Vector::repeat(0.1), &Budget::new(LIMITS), &mut channels)?;
     Ok(channels.len())
 }
 
@@ -133,8 +139,7 @@ fn check_count<const D: usize>(boxes: impl Iterator<Item = AxisBox<D>>, channels
 
 #[track_caller]
 fn check_too_many<const D: usize>(boxes: impl Iterator<Item = AxisBox<D>>) {
-    let most = CAPS.channels;
-    let error = SolidsError::TooManyChannels { has: most + 1, most };
+    let error = Spent::Limit { cap: Cap::Channels, most: LIMITS.channels };
     assert_eq!(count(&boxes.collect::<Vec<_>>()), Err(error));
 }
 

@@ -1,3 +1,4 @@
+use crate::budget::Budget;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::polygon::{Polygon, edges};
 use crate::geometry::{AxisBox, Vector};
@@ -13,7 +14,11 @@ fn check_segment(from: [f64; 2], to: [f64; 2], free: bool) {
     for (from, to) in [(from, to), (to, from)] {
         let mut walls = Walls::default();
         walls.push(Wall { from: from.into(), to: to.into() });
-        assert_eq!(walls.is_free(&space([0., 0.], [4., 2.])), free, "{from:?} to {to:?}");
+        assert_eq!(
+            walls.is_free(&space([0., 0.], [4., 2.]), &Budget::default()).unwrap(),
+            free,
+            "{from:?} to {to:?}"
+        );
     }
 }
 
@@ -34,7 +39,7 @@ fn wall_through_a_corner_leaves_it_free() {
     let mut walls = Walls::default();
     let slope = (1.3 - 0.7) / 0.3;
     walls.push(Wall { from: [0.7, 0.1 - 3.0 * slope].into(), to: [3.8, 0.1 + 0.1 * slope].into() });
-    assert!(walls.is_free(&space([0.1, 0.1], [3.7, 0.9])));
+    assert!(walls.is_free(&space([0.1, 0.1], [3.7, 0.9]), &Budget::default()).unwrap());
 }
 
 #[test]
@@ -52,24 +57,24 @@ fn box_inside_of_a_solid_is_not_free() {
     let inside = space([1., 1.], [2., 2.]);
     let mut walls = Walls::default();
     walls.push_box(&space([0., 0.], [3., 3.]));
-    assert!(!walls.is_free(&inside));
-    assert!(!walls.is_free(&space([0., 0.], [3., 3.])));
-    assert!(walls.is_free(&space([3., 0.], [4., 3.])));
+    assert!(!walls.is_free(&inside, &Budget::default()).unwrap());
+    assert!(!walls.is_free(&space([0., 0.], [3., 3.]), &Budget::default()).unwrap());
+    assert!(walls.is_free(&space([3., 0.], [4., 3.]), &Budget::default()).unwrap());
     walls.clear();
     let corners = [[0., 0.], [9., 0.], [0., 9.]].map(Vector::from);
-    walls.push_polygon(&Polygon::new(corners.to_vec()).expect("a triangle"));
-    assert!(!walls.is_free(&inside));
-    assert!(walls.is_free(&space([4.5, 4.5], [6., 6.])));
-    assert!(!walls.is_free(&space([4.4, 4.5], [6., 6.])));
+    walls.push_polygon(&Polygon::new(corners.to_vec(), &Budget::default()).expect("a triangle"));
+    assert!(!walls.is_free(&inside, &Budget::default()).unwrap());
+    assert!(walls.is_free(&space([4.5, 4.5], [6., 6.]), &Budget::default()).unwrap());
+    assert!(!walls.is_free(&space([4.4, 4.5], [6., 6.]), &Budget::default()).unwrap());
 }
 
 #[test]
 fn wall_in_space_leaves_what_it_touches() {
     let mut walls = Walls::default();
     walls.push(Wall { from: [0., 0., 1.].into(), to: [2., 2., 1.].into() });
-    assert!(walls.is_free(&space([0., 0., 1.], [2., 2., 3.])));
-    assert!(walls.is_free(&space([2., 0., 0.], [3., 2., 3.])));
-    assert!(!walls.is_free(&space([1.9, 0., 0.], [3., 2., 3.])));
+    assert!(walls.is_free(&space([0., 0., 1.], [2., 2., 3.]), &Budget::default()).unwrap());
+    assert!(walls.is_free(&space([2., 0., 0.], [3., 2., 3.]), &Budget::default()).unwrap());
+    assert!(!walls.is_free(&space([1.9, 0., 0.], [3., 2., 3.]), &Budget::default()).unwrap());
 }
 
 fn whole_boxes<const D: usize>(count: usize) -> impl Strategy<Value = Vec<AxisBox<D>>> {
@@ -86,9 +91,9 @@ fn check_boxes<const D: usize>(boxes: &[AxisBox<D>]) {
     let mut walls = Walls::default();
     solids.iter().for_each(|solid| walls.push_box(solid));
     let free = solids.iter().all(|solid| solid.intersection(space).is_none());
-    assert_eq!(walls.is_free(space), free);
-    walls.index();
-    assert_eq!(walls.is_free(space), free, "with an index");
+    assert_eq!(walls.is_free(space, &Budget::default()).unwrap(), free);
+    walls.index(&Budget::default()).unwrap();
+    assert_eq!(walls.is_free(space, &Budget::default()).unwrap(), free, "with an index");
 }
 
 /// Whether a segment between grid points has a point in the interior, in whole numbers: at
@@ -139,7 +144,7 @@ proptest! {
         let mut walls = Walls::default();
         walls.push(Wall { from: number(from), to: number(to) });
         let space = AxisBox::new(number(min), number(max)).expect("a box");
-        prop_assert_eq!(walls.is_free(&space), !passes(from, to, min, max));
+        prop_assert_eq!(walls.is_free(&space, &Budget::default()).unwrap(), !passes(from, to, min, max));
     }
 
     /// No point of a free box is inside of a solid.
@@ -149,7 +154,7 @@ proptest! {
         boxes in whole_boxes::<2>(1),
     ) {
         let corners = corners.into_iter().map(|corner| Vector::from(corner.map(f64::from)));
-        let Ok(polygon) = Polygon::new(corners.collect()) else { return Ok(()) };
+        let Ok(polygon) = Polygon::new(corners.collect(), &Budget::default()) else { return Ok(()) };
         let mut walls = Walls::default();
         walls.push_polygon(&polygon);
         let (min, size) = (boxes[0].min(), boxes[0].size());
@@ -161,6 +166,6 @@ proptest! {
             let whole = |point: Vector<2>| [point[0] as i64, point[1] as i64];
             passes(whole(from), whole(to), whole(min), whole(min + size))
         });
-        prop_assert_eq!(walls.is_free(&boxes[0]), !inside && !passed);
+        prop_assert_eq!(walls.is_free(&boxes[0], &Budget::default()).unwrap(), !inside && !passed);
     }
 }
