@@ -30,9 +30,18 @@ fn ours(package: &str) -> String {
     package.strip_prefix("clearway-").unwrap_or(package).to_owned()
 }
 
-const SERVICES: [&str; 7] =
-    ["schemas", "planning", "answer", "configuration", "bus", "recording", "planner"];
-const TOOLS: [&str; 3] = ["plan", "recorder", "replay"];
+const SERVICES: [&str; 9] = [
+    "schemas",
+    "planning",
+    "answer",
+    "configuration",
+    "bus",
+    "recording",
+    "comparison",
+    "program",
+    "planner",
+];
+const TOOLS: [&str; 4] = ["plan", "recorder", "render", "replay"];
 
 #[test]
 fn dependencies_run_one_way() {
@@ -44,13 +53,21 @@ fn dependencies_run_one_way() {
         ("recording", vec!["schemas"]),
         ("answer", vec!["planning", "schemas"]),
         ("configuration", vec!["answer"]),
-        ("planner", vec!["answer", "bus", "configuration", "schemas"]),
-        // Plans on its own, too, but knows no planner but that on the bus.
-        ("plan", vec!["schemas", "answer", "configuration", "bus"]),
-        ("recorder", vec!["schemas", "bus", "recording"]),
+        // How programs end, print and report: knows none of what they do.
+        ("program", vec![]),
+        ("planner", vec!["answer", "bus", "configuration", "program", "schemas"]),
+        // Draws what it is given; plans in its tests.
+        ("render", vec!["schemas", "answer"]),
+        // Can plan in its own process; reaches the planner by the bus only.
+        ("plan", vec!["schemas", "answer", "configuration", "bus", "program", "render"]),
+        ("recorder", vec!["schemas", "bus", "recording", "program"]),
         // Plans and compares without a bus.
-        ("replay", vec!["schemas", "answer", "configuration", "recording"]),
-        // Shows what the other tools do, by their libraries.
+        ("comparison", vec!["schemas", "recording"]),
+        (
+            "replay",
+            vec!["schemas", "answer", "configuration", "comparison", "recording", "program"],
+        ),
+        // Runs what the other programs run, by their libraries.
         ("demo", [&SERVICES[..], &TOOLS].concat()),
         // Makes what the others' tests compare with.
         ("bless", [&SERVICES[..], &TOOLS, &["fuzz-targets", "integration-tests"]].concat()),

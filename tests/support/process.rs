@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, Signal};
 
 use crate::{LONG, wait_for};
 
@@ -23,6 +23,11 @@ pub struct Process {
     stderr: PathBuf,
     /// Whether anybody in the domain was killed, so that others have to clear up.
     killed: Arc<AtomicBool>,
+}
+
+/// Sends a signal to a process of this test.
+pub fn kill_process(child: &Child, signal: Signal) {
+    rustix::process::kill_process(Pid::from_child(child), signal).expect("the process is there");
 }
 
 /// How a program ended.
@@ -63,7 +68,7 @@ impl Process {
         if signal == Signal::KILL {
             self.killed.store(true, Ordering::Relaxed);
         }
-        kill_process(Pid::from_child(&self.child), signal).expect("the process is there");
+        kill_process(&self.child, signal);
     }
 
     /// What it has said on stderr so far.

@@ -25,5 +25,5 @@ fn two_demos_run_at_once() {
     // What is there is not written over.
     let again = test.run("demo", &["-o", "one"]);
     assert_eq!(again.code, Some(1));
-    assert!(again.stderr.contains("holds a demo already"), "{}", again.stderr);
+    assert!(again.stderr.contains("already contains a demo"), "{}", again.stderr);
 }

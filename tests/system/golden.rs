@@ -12,7 +12,7 @@ use crate::read::recording;
 const MOST_BYTES: u64 = 1 << 20;
 
 fn golden() -> Vec<PathBuf> {
-    let found = replay::check::find(&[root().join("recordings")]);
+    let found = comparison::check::find(&[root().join("recordings")]);
     found.expect("there are recordings")
 }
 

@@ -6,6 +6,7 @@ mod command_line;
 mod demo;
 mod end_to_end;
 mod golden;
+mod plan;
 mod planner;
 mod read;
 mod recorder;

@@ -1,6 +1,6 @@
 //! The planner process; see `planner --help`.
 
-use std::io::IsTerminal;
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -9,12 +9,13 @@ use bus::{Domain, Server};
 use clap::Parser;
 use configuration::Config;
 use planner::service::{serve, server_options};
-use tracing_subscriber::EnvFilter;
+use program::{Diagnostics, Exit};
 
 /// Answers scene requests over shared memory with sampled trajectories, until SIGINT
 /// or SIGTERM.
 #[derive(Parser)]
 #[command(
+    name = "planner",
     version,
     after_help = "\
 Settings in FILE (TOML), with their defaults:
@@ -49,23 +50,15 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| "info".into()))
-        .init();
-    bus::forward_to_tracing();
-    match run(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("planner: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program::main("planner", || {
+        let arguments = Arguments::parse();
+        program::start_diagnostics(Diagnostics::Events);
+        bus::forward_to_tracing();
+        run(arguments)
+    })
 }
 
-fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
+fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
     let config = match &arguments.config {
         Some(path) => Config::read(path)?,
         None => Config::default(),
@@ -83,5 +76,5 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
         cache_bytes = bytes,
         "done"
     );
-    Ok(())
+    Ok(Exit::Done)
 }

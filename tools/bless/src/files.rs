@@ -109,7 +109,7 @@ pub(crate) fn planned(scene: &SceneRequest) -> Reply {
 /// A scene with its answers.
 fn picture(name: &str) -> String {
     let scene = scene(name);
-    plan::picture::draw(&scene, &planned(&scene))
+    render::picture::draw(&scene, &planned(&scene))
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ use recordings::RECORDINGS;
 /// or replies have changed.
 #[derive(Parser)]
 #[command(
+    name = "bless",
     version,
     after_help = "\
 Examples:

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use comparison::compare::{Outcome, Tolerance, compare};
+use comparison::exchanges;
 use integration_tests::{TestDomain, root, scene_text};
-use replay::compare::{Outcome, Tolerance, compare};
-use replay::exchanges;
 use schemas::json;
 use schemas::message::{RequestContent, SceneRequest};
 
@@ -94,7 +94,7 @@ impl Golden {
             }
             let planned = answer::reply_to(&exchange.request, &answer::Caps::default());
             match compare(&exchange.reply, &planned, Tolerance::Exact) {
-                Outcome::Equal => {}
+                Outcome::Equal { .. } => {}
                 Outcome::NotRepeatable => {
                     return Ok(Some(format!("the reply to request {index} can't be repeated")));
                 }

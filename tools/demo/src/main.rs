@@ -8,29 +8,36 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use bus::{Client, Domain};
+use bus::{CallError, Client, Domain};
 use clap::Parser;
-use replay::check;
-use replay::compare::Tolerance;
+use comparison::check;
+use comparison::compare::Tolerance;
+use program::{Diagnostics, Exit, PrintError};
 use schemas::message::{ClearanceWish, Reply, SceneRequest, Trajectory};
 
 use output::Row;
-use processes::Role;
+use processes::{Child, Role, Tidy};
 
 /// Plans the paper's examples over shared memory, records and replays the traffic, and
-/// draws the pictures.
+/// draws pictures of the answers.
 ///
-/// A planner, a recorder and a client run as processes of their own in a domain of their own, so
-/// that several demos can run at once.
+/// Planner, recorder and client are processes in a domain of their own, so several demos can
+/// run at once.
 #[derive(Parser)]
 #[command(
+    name = "demo",
     version,
     after_help = "\
+Examples:
+  demo
+  demo -o /tmp/demo
+
+Results go to stdout, diagnostics to stderr.
 Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost, 4 the replay differs."
 )]
 struct Arguments {
-    /// Where to put recording and pictures [default: target/demo/N, the next free number]
-    #[arg(short, long, value_name = "DIRECTORY")]
+    /// Folder for recording and pictures [default: target/demo/N, the next free number]
+    #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
 
@@ -42,38 +49,36 @@ const PATIENCE: Duration = Duration::from_secs(20);
 type Error = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    bus::forward_to_tracing();
     if let Some(role) = Role::of_this_process() {
-        return role.run();
+        return program::main(role.program(), || role.run());
     }
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_max_level(tracing_subscriber::filter::LevelFilter::WARN)
-        .init();
-    match run(Arguments::parse()) {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("demo: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program::main("demo", || {
+        let arguments = Arguments::parse();
+        program::start_diagnostics(Diagnostics::Warnings);
+        bus::forward_to_tracing();
+        run(arguments)
+    })
 }
 
-fn run(arguments: Arguments) -> Result<ExitCode, Error> {
+fn run(arguments: Arguments) -> Result<Exit, Error> {
     let directory = output::directory(arguments.output)?;
     let recording = directory.join("demo.mcap");
     let domain = Domain::new(&format!("demo-{}", std::process::id()))?;
+    let tidy = Tidy(&domain);
 
-    let planner = processes::Child::start(Role::Planner, &domain, &recording)?;
+    let planner = Child::start(Role::Planner, &domain, &recording)?;
     let mut client = processes::connect(&domain, PATIENCE)?;
-    let recorder = processes::Child::start(Role::Recorder, &domain, &recording)?;
+    let recorder = Child::start(Role::Recorder, &domain, &recording)?;
     processes::wait_for_file(&recording, PATIENCE)?;
 
     let mut rows = Vec::new();
     for (name, scene) in scenes::all() {
         let mut whole: Option<Reply> = None;
         for request in scenes::one_by_one(&scene) {
-            let (reply, round_trip) = ask(&mut client, &request)?;
+            let (reply, round_trip) = match ask(&mut client, &request) {
+                Err(CallError::Interrupted) => return Ok(Exit::Interrupted),
+                asked => asked?,
+            };
             let answer = reply.answers.clone().map_err(|refusal| refusal.message)?.remove(0);
             let trajectory = answer.as_ref().map_err(|refusal| refusal.message.clone())?;
             rows.push(row(name, &request, trajectory, round_trip));
@@ -83,28 +88,31 @@ fn run(arguments: Arguments) -> Result<ExitCode, Error> {
             }
         }
         let reply = whole.expect("every scene has a wish");
-        output::save(&directory, name, &plan::picture::draw(&scene, &reply))?;
+        output::save(&directory, name, &render::picture::draw(&scene, &reply))?;
     }
     drop(client);
     let recorded = recorder.stop()?;
     let served = planner.stop()?;
+    drop(tidy);
 
     let plan = |request: &_| answer::reply_to(request, &answer::Caps::default());
     let checked = check::check(&recording, Tolerance::Exact, plan, |_| {});
-    domain.tidy();
-    output::print(&rows, &directory, &checked)?;
+    output::print(&rows, &directory, &checked).map_err(PrintError)?;
     let contents = &checked.contents;
-    let lost = recorded == 3 || contents.lost() > 0 || !contents.losses.is_empty();
-    Ok(match (served, recorded) {
-        _ if checked.counts().different > 0 => ExitCode::from(4),
-        _ if lost => ExitCode::from(3),
-        (0, 0) if contents.error.is_none() => ExitCode::SUCCESS,
-        _ => ExitCode::FAILURE,
+    let done = Exit::Done.code();
+    Ok(if checked.counts().different > 0 {
+        Exit::Regression
+    } else if recorded == Exit::Lost.code() || contents.is_incomplete() {
+        Exit::Lost
+    } else if (served, recorded) == (done, done) && contents.error.is_none() {
+        Exit::Done
+    } else {
+        Exit::Failure
     })
 }
 
 /// The reply, and the median round trip of several.
-fn ask(client: &mut Client, scene: &SceneRequest) -> Result<(Reply, Duration), Error> {
+fn ask(client: &mut Client, scene: &SceneRequest) -> Result<(Reply, Duration), CallError> {
     let mut times = Vec::with_capacity(ROUNDS);
     let mut reply = None;
     for _ in 0..ROUNDS {
@@ -117,7 +125,7 @@ fn ask(client: &mut Client, scene: &SceneRequest) -> Result<(Reply, Duration), E
 }
 
 fn row(task: &str, request: &SceneRequest, trajectory: &Trajectory, round_trip: Duration) -> Row {
-    let gaps = plan::output::gaps(trajectory);
+    let gaps = render::table::gaps(trajectory);
     Row {
         task: task.to_owned(),
         gap: match request.clearance {

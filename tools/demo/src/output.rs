@@ -1,22 +1,26 @@
-//! Where the files go, and the table.
+//! Files and table of a demo.
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use plan::output::table;
-use replay::check::Checked;
+use comparison::check::Checked;
+use render::table::table;
 
 use crate::Error;
 
-/// The directory for this run: the one asked for, which must not hold a demo
-/// yet, or the next free number.
+/// The folder for this run: the one asked for, which must not contain a demo yet, or the
+/// next free number.
 pub(crate) fn directory(asked: Option<PathBuf>) -> Result<PathBuf, Error> {
     if let Some(directory) = asked {
         fs::create_dir_all(&directory)?;
         if directory.join("demo.mcap").exists() {
-            return Err(format!("{} holds a demo already", directory.display()).into());
+            return Err(format!(
+                "{} already contains a demo; choose another folder",
+                directory.display()
+            )
+            .into());
         }
         return Ok(directory);
     }
@@ -58,7 +62,7 @@ pub(crate) fn print(rows: &[Row], directory: &Path, checked: &Checked) -> io::Re
         "gap",
         "length",
         "clearance",
-        "on its legs",
+        "per leg",
         "duration",
         "samples",
         "round trip",
@@ -78,12 +82,11 @@ pub(crate) fn print(rows: &[Row], directory: &Path, checked: &Checked) -> io::Re
     writeln!(
         out,
         "{table}\n\n\
-         Clearances are exact: over the whole motion, and on its legs. Round trips are\n\
-         medians of {}, through shared memory, with a recorder listening.\n",
+         Clearances are exact: over the whole motion, and per leg. Round trips are medians\n\
+         of {}, through shared memory, with a recorder listening.\n",
         crate::ROUNDS
     )?;
-    replay::report::text(std::slice::from_ref(checked), &mut out)?;
-    writeln!(out, "\nRecording and pictures lie in {}:", directory.display())?;
+    writeln!(out, "{checked}\n\nRecording and pictures are in {}:", directory.display())?;
     let mut files: Vec<_> =
         fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
     files.sort();

@@ -1,17 +1,18 @@
 //! The other processes: this program, started again in another role.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use bus::{Client, ConnectError, Domain, Server, Wait};
 use configuration::Config;
+use program::{Diagnostics, Exit};
 use recorder::Settings;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::Error;
 
-/// Tells a process of this program that it has a role; its value is the role's name.
+/// Set in a process of this program that plays a role; its value is the role's name.
 const ROLE: &str = "CLEARWAY_DEMO_ROLE";
 
 /// What a process of this program does.
@@ -29,39 +30,44 @@ impl Role {
         }
     }
 
-    /// The role of this process; none for the demo itself.
+    /// The role of this process, if it isn't the demo itself.
     pub(crate) fn of_this_process() -> Option<Self> {
         let name = std::env::var(ROLE).ok()?;
         [Self::Planner, Self::Recorder].into_iter().find(|role| role.name() == name)
     }
 
-    /// Plays the role until told to stop.
-    pub(crate) fn run(self) -> ExitCode {
+    /// The name that its errors begin with.
+    pub(crate) fn program(self) -> &'static str {
+        match self {
+            Self::Planner => "demo (planner)",
+            Self::Recorder => "demo (recorder)",
+        }
+    }
+
+    /// Plays the role until a signal asks it to end.
+    pub(crate) fn run(self) -> Result<Exit, Error> {
+        program::start_diagnostics(Diagnostics::Warnings);
+        bus::forward_to_tracing();
         let mut arguments = std::env::args_os().skip(1);
         let (Some(domain), Some(recording)) = (arguments.next(), arguments.next()) else {
-            return ExitCode::from(2);
+            return Ok(Exit::Usage);
         };
-        let played =
-            domain.to_string_lossy().parse::<Domain>().map_err(Error::from).and_then(|domain| {
-                match self {
-                    Self::Planner => serve(&domain),
-                    Self::Recorder => record(domain, recording.into()),
-                }
-            });
-        played.unwrap_or_else(|error| {
-            eprintln!("demo, {}: {error}", self.name());
-            ExitCode::FAILURE
-        })
+        let domain = domain.to_string_lossy().parse::<Domain>()?;
+        match self {
+            Self::Planner => serve(&domain),
+            Self::Recorder => record(domain, recording.into()),
+        }
     }
 }
 
-fn serve(domain: &Domain) -> Result<ExitCode, Error> {
-    let mut server = Server::open(domain, &planner::service::server_options(&Config::default()))?;
-    planner::service::serve(&mut server, &Config::default());
-    Ok(ExitCode::SUCCESS)
+fn serve(domain: &Domain) -> Result<Exit, Error> {
+    let config = Config::default();
+    let mut server = Server::open(domain, &planner::service::server_options(&config))?;
+    planner::service::serve(&mut server, &config);
+    Ok(Exit::Done)
 }
 
-fn record(domain: Domain, output: PathBuf) -> Result<ExitCode, Error> {
+fn record(domain: Domain, output: PathBuf) -> Result<Exit, Error> {
     let summary = recorder::run(&Settings {
         output,
         domain,
@@ -70,10 +76,10 @@ fn record(domain: Domain, output: PathBuf) -> Result<ExitCode, Error> {
         flush: recording::FLUSH_INTERVAL,
         wait: Duration::from_secs(10),
     })?;
-    Ok(if summary.lost == 0 { ExitCode::SUCCESS } else { ExitCode::from(3) })
+    Ok(if summary.lost == 0 { Exit::Done } else { Exit::Lost })
 }
 
-/// A process in a role. Dropped, it is killed.
+/// A process in a role. Dropped, it is asked to end, and killed if it doesn't.
 pub(crate) struct Child {
     child: std::process::Child,
     role: Role,
@@ -93,20 +99,41 @@ impl Child {
 
     /// Asks it to end, as a service manager would, and waits; its exit code.
     pub(crate) fn stop(mut self) -> Result<u8, Error> {
-        kill_process(Pid::from_child(&self.child), Signal::TERM)?;
+        self.signal()?;
         let status = self.child.wait()?;
         status
             .code()
             .and_then(|code| u8::try_from(code).ok())
             .ok_or_else(|| format!("the {} ended by {status}", self.role.name()).into())
     }
+
+    fn signal(&self) -> std::io::Result<()> {
+        Ok(kill_process(Pid::from_child(&self.child), Signal::TERM)?)
+    }
 }
 
 impl Drop for Child {
     fn drop(&mut self) {
-        // Nothing to do for one that has ended.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        const PATIENCE: Duration = Duration::from_secs(2);
+        if !matches!(self.child.try_wait(), Ok(None)) || self.signal().is_err() {
+            return;
+        }
+        let until = Instant::now() + PATIENCE;
+        while matches!(self.child.try_wait(), Ok(None)) {
+            if Instant::now() >= until {
+                let _ = self.child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// Removes what is left of a domain that nobody uses any more.
+pub(crate) struct Tidy<'a>(pub(crate) &'a Domain);
+
+impl Drop for Tidy<'_> {
+    fn drop(&mut self) {
+        self.0.tidy();
     }
 }
 
@@ -128,7 +155,7 @@ pub(crate) fn wait_for_file(path: &Path, patience: Duration) -> Result<(), Error
     let until = Instant::now() + patience;
     while !path.exists() {
         if Instant::now() >= until {
-            return Err(format!("the recorder has not opened {}", path.display()).into());
+            return Err(format!("the recorder did not open {}", path.display()).into());
         }
         std::thread::sleep(Duration::from_millis(5));
     }

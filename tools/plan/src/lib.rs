@@ -1,5 +1,3 @@
-//! What the `plan` command prints and draws; the demo shows the same.
+//! Floor plans as free space, for `plan --map`.
 
 pub mod map;
-pub mod output;
-pub mod picture;

@@ -1,20 +1,22 @@
 //! The `recorder` command; see `recorder --help`.
 
-use std::io::{self, IsTerminal};
+use std::error::Error;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use bus::Domain;
 use clap::Parser;
+use program::{Diagnostics, Exit, PrintError};
 use recorder::Settings;
-use recording::FLUSH_INTERVAL;
-use tracing_subscriber::EnvFilter;
+use recording::{FLUSH_INTERVAL, Summary};
 
 /// Logs all requests and replies of a planner to an MCAP file until told to stop
 /// (SIGINT, SIGTERM), then finishes the file.
 #[derive(Parser)]
 #[command(
+    name = "recorder",
     version,
     after_help = "\
 Examples:
@@ -49,34 +51,26 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    tracing_subscriber::fmt()
-        .with_writer(io::stderr)
-        .with_ansi(io::stderr().is_terminal())
-        .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| "info".into()))
-        .init();
-    bus::forward_to_tracing();
-    let settings = Settings {
-        output: arguments.output.clone(),
-        domain: arguments.domain.unwrap_or_default(),
-        overwrite: arguments.overwrite,
-        duration: arguments.duration,
-        flush: arguments.flush.unwrap_or(FLUSH_INTERVAL),
-        wait: arguments.wait,
-    };
-    match recorder::run(&settings) {
-        Ok(summary) => {
-            println!(
-                "{}: {} messages recorded, {} lost",
-                arguments.output.display(),
-                summary.recorded,
-                summary.lost
-            );
-            if summary.lost == 0 { ExitCode::SUCCESS } else { ExitCode::from(3) }
-        }
-        Err(error) => {
-            eprintln!("recorder: {error}");
-            ExitCode::FAILURE
-        }
+    program::main("recorder", || {
+        let arguments = Arguments::parse();
+        program::start_diagnostics(Diagnostics::Events);
+        bus::forward_to_tracing();
+        run(arguments)
+    })
+}
+
+fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
+    let Arguments { output, domain, overwrite, duration, flush, wait } = arguments;
+    let domain = domain.unwrap_or_default();
+    let flush = flush.unwrap_or(FLUSH_INTERVAL);
+    let settings = Settings { output, domain, overwrite, duration, flush, wait };
+    let Summary { recorded, lost, .. } = recorder::run(&settings)?;
+    let path = settings.output.display();
+    let exit = if lost == 0 { Exit::Done } else { Exit::Lost };
+    let printed = writeln!(io::stdout(), "{path}: {recorded} messages recorded, {lost} lost");
+    match printed.map_err(PrintError) {
+        // What was lost counts, even if nobody reads on.
+        Err(error) if !error.is_closed() => Err(error.into()),
+        _ => Ok(exit),
     }
 }

@@ -1,64 +1,82 @@
-//! Compares two recordings.
+//! What `replay diff` prints.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::io::{self, Write};
 use std::path::Path;
 
-use schemas::codec;
-use schemas::message::{Reply, Request, RequestKey};
+use comparison::check::Counts;
+use comparison::compare::Outcome;
+use comparison::diff::Compared;
+use serde_json::json;
 
-use crate::compare::{Outcome, Tolerance, compare};
-use crate::exchanges::{self, Contents};
+use crate::report::{difference_json, write_json};
 
-/// How two recordings compare.
-#[derive(Debug)]
-pub struct Compared {
-    /// What is in them.
-    pub contents: [Contents; 2],
-    /// The requests that both have, in the order of the first.
-    pub pairs: Vec<Pair>,
-    /// Requests that only one of them has.
-    pub alone: [Vec<RequestKey>; 2],
+/// Whether the recordings differ.
+pub(crate) fn differ(compared: &Compared) -> bool {
+    counts(compared).different > 0 || compared.alone.iter().any(|keys| !keys.is_empty())
 }
 
-/// A request in both recordings.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pair {
-    /// The request in either; clients draw new keys when they start.
-    pub keys: [RequestKey; 2],
-    /// How the replies compare.
-    pub outcome: Outcome,
+fn counts(compared: &Compared) -> Counts {
+    let mut counts = Counts::default();
+    compared.pairs.iter().for_each(|pair| counts.add(&pair.outcome));
+    counts
 }
 
-/// Compares the recordings `first` and `second`. Requests are paired by what they ask: the
-/// n-th of the first that asks something with the n-th of the second that asks the same.
-///
-/// Memory: all of the second recording.
-pub fn diff(
-    [first, second]: [&Path; 2],
-    tolerance: Tolerance,
-    mut progress: impl FnMut(u64),
-) -> Compared {
-    let mut others: BTreeMap<Vec<u8>, VecDeque<Reply>> = BTreeMap::new();
-    let second = exchanges::read(second, &mut progress, |exchange| {
-        others.entry(question(&exchange.request)).or_default().push_back(exchange.reply);
+/// Each difference in a line, and a line of counts.
+pub(crate) fn text(compared: &Compared, paths: [&Path; 2], out: &mut impl Write) -> io::Result<()> {
+    let [a, b] = paths.map(Path::display);
+    for (index, pair) in compared.pairs.iter().enumerate() {
+        if let Outcome::Different(difference) = &pair.outcome {
+            let [one, other] = pair.keys;
+            let (path, has_a, has_b) =
+                (&difference.path, &difference.recorded, &difference.planned);
+            writeln!(
+                out,
+                "pair {index} ({one} and {other}): {path}: {has_a} in {a}, {has_b} in {b}"
+            )?;
+        }
+    }
+    for (path, keys) in [&a, &b].into_iter().zip(&compared.alone) {
+        for key in keys {
+            writeln!(out, "request {key} is only in {path}")?;
+        }
+    }
+    let [alone_a, alone_b] = compared.alone.each_ref().map(Vec::len);
+    let Counts { equal, reworded, different, not_repeatable } = counts(compared);
+    write!(out, "{equal} equal")?;
+    if reworded > 0 {
+        write!(out, " ({reworded} worded differently)")?;
+    }
+    write!(out, ", {different} different")?;
+    if not_repeatable > 0 {
+        write!(out, ", {not_repeatable} not repeatable (depend on load)")?;
+    }
+    writeln!(out, ", {alone_a} only in {a}, {alone_b} only in {b}")
+}
+
+/// All of it as one JSON object.
+pub(crate) fn json(compared: &Compared, paths: [&Path; 2], out: &mut impl Write) -> io::Result<()> {
+    let differences = compared.pairs.iter().enumerate().filter_map(|(index, pair)| {
+        let Outcome::Different(difference) = &pair.outcome else { return None };
+        let mut fields = difference_json(difference);
+        fields.insert("pair".into(), index.into());
+        fields.insert("keys".into(), json!(pair.keys.map(|key| key.to_string())));
+        Some(fields)
     });
-    let (mut pairs, mut alone) = (Vec::new(), [Vec::new(), Vec::new()]);
-    let first = exchanges::read(first, &mut progress, |exchange| {
-        let replies = others.get_mut(&question(&exchange.request));
-        let Some(mut other) = replies.and_then(VecDeque::pop_front) else {
-            alone[0].push(exchange.reply.key);
-            return;
-        };
-        let keys = [exchange.reply.key, other.key];
-        other.key = exchange.reply.key;
-        pairs.push(Pair { keys, outcome: compare(&exchange.reply, &other, tolerance) });
+    let [only_in_a, only_in_b] = compared
+        .alone
+        .each_ref()
+        .map(|keys| keys.iter().map(ToString::to_string).collect::<Vec<_>>());
+    let Counts { equal, reworded, different, not_repeatable } = counts(compared);
+    let value = json!({
+        "a": paths[0].to_string_lossy(),
+        "b": paths[1].to_string_lossy(),
+        "equal": equal,
+        "reworded": reworded,
+        "different": different,
+        "not_repeatable": not_repeatable,
+        "differences": differences.collect::<Vec<_>>(),
+        "only_in_a": only_in_a,
+        "only_in_b": only_in_b,
     });
-    alone[1].extend(others.into_values().flatten().map(|reply| reply.key));
-    alone[1].sort();
-    Compared { contents: [first, second], pairs, alone }
-}
-
-/// What a request asks, without who asks and when.
-fn question(request: &Request) -> Vec<u8> {
-    codec::encode(&request.content)
+    write_json(&value, out)
 }

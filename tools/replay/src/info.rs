@@ -4,14 +4,25 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, UNIX_EPOCH};
 
-use crate::exchanges::Contents;
+use comparison::exchanges::Contents;
+use serde_json::json;
 
-/// What is in a recording, as text.
-pub fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io::Result<()> {
-    let size = std::fs::metadata(path).map_or(contents.bytes, |metadata| metadata.len());
+use crate::report::write_json;
+
+fn size(path: &Path, contents: &Contents) -> u64 {
+    std::fs::metadata(path).map_or(contents.bytes, |metadata| metadata.len())
+}
+
+fn gaps(contents: &Contents) -> u64 {
+    let (_, gaps) = contents.missing;
+    contents.summary.map_or(gaps, |summary| summary.gaps.max(gaps))
+}
+
+/// A recording described in lines.
+pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io::Result<()> {
     let mut line = |name: &str, value: String| writeln!(out, "{name:<10}{value}");
     line("file", path.display().to_string())?;
-    line("size", format!("{size} bytes"))?;
+    line("size", format!("{} bytes", size(path, contents)))?;
     line("library", contents.library.clone())?;
     let state = match (&contents.error, contents.summary) {
         (Some(error), _) => error.to_string(),
@@ -28,12 +39,47 @@ pub fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io::Resul
     }
     line("requests", format!("{} from {} clients", contents.requests, contents.clients.len()))?;
     line("replies", format!("{} whole, in {} parts", contents.exchanges, contents.parts))?;
-    let (_, gaps) = contents.missing;
-    let gaps = contents.summary.map_or(gaps, |summary| summary.gaps.max(gaps));
-    line("lost", format!("{} messages in {gaps} gaps", contents.lost()))?;
-    line("incomplete", format!(" {} requests or replies", contents.losses.len()))?;
+    line("lost", format!("{} messages in {} gaps", contents.lost(), gaps(contents)))?;
+    line("broken", format!("{} requests or replies", contents.losses.len()))?;
     if contents.skipped > 0 {
         line("others", format!("{} messages of other channels", contents.skipped))?;
     }
     Ok(())
+}
+
+/// A recording described as one JSON object.
+pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io::Result<()> {
+    let Contents {
+        bytes: _,
+        library,
+        requests,
+        parts,
+        exchanges,
+        clients,
+        times_ns,
+        losses,
+        missing: _,
+        summary,
+        skipped,
+        error,
+    } = contents;
+    let value = json!({
+        "path": path.to_string_lossy(),
+        "bytes": size(path, contents),
+        "library": library,
+        "finished": summary.is_some() && error.is_none(),
+        "cut": error.as_ref().is_some_and(|error| error.is_cut()),
+        "error": error.as_ref().map(ToString::to_string),
+        "first_ns": times_ns.map(|(first, _)| first),
+        "last_ns": times_ns.map(|(_, last)| last),
+        "requests": requests,
+        "clients": clients.len(),
+        "replies": exchanges,
+        "parts": parts,
+        "lost": contents.lost(),
+        "gaps": gaps(contents),
+        "incomplete": losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "other_messages": skipped,
+    });
+    write_json(&value, out)
 }

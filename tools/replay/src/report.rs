@@ -1,110 +1,64 @@
-//! What `replay check` prints.
+//! What `replay check` prints as text and JSON.
 
-use std::fmt;
 use std::io::{self, Write};
 
-use serde_json::{Value, json};
+use comparison::check::Checked;
+use comparison::compare::{Difference, FieldPath};
+use comparison::exchanges::Contents;
+use serde_json::{Map, Value, json};
 
-use crate::check::{Case, Checked};
-use crate::compare::{Difference, Outcome};
-use crate::exchanges::Contents;
-
-/// Differences and losses of a file that the text shows; the other forms have all.
+/// Incomplete exchanges of a file that stderr shows.
 const MOST_SHOWN: usize = 10;
 
-/// The result as text: what differs first, and a line for each file.
-pub fn text(checked: &[Checked], out: &mut impl Write) -> io::Result<()> {
-    for file in checked {
-        let path = file.path.display();
-        for (case, difference) in different(file).take(MOST_SHOWN) {
-            writeln!(out, "{path}: {case}: {difference}")?;
-        }
-        let counts = file.counts();
-        let left = counts.different.saturating_sub(MOST_SHOWN as u64);
-        if left > 0 {
-            writeln!(out, "{path}: {left} more requests differ")?;
-        }
-        writeln!(out, "{path}: {}", verdict(file))?;
-    }
-    Ok(())
+/// The first differences, and a line for each file.
+pub(crate) fn text(checked: &[Checked], out: &mut impl Write) -> io::Result<()> {
+    checked.iter().try_for_each(|file| writeln!(out, "{file}"))
 }
 
-/// One line about a file.
-fn verdict(file: &Checked) -> String {
-    let (counts, contents) = (file.counts(), &file.contents);
-    let mut parts = vec![format!("{} requests", contents.requests)];
-    let numbers = [
-        (counts.equal, "equal"),
-        (counts.different, "different"),
-        (counts.not_repeatable, "not repeatable (late or overloaded)"),
-        (contents.losses.len() as u64, "incomplete"),
-        (contents.lost(), "messages lost while recording"),
-    ];
-    parts.extend(
-        numbers.iter().filter(|(n, _)| *n > 0).map(|(number, what)| format!("{number} {what}")),
-    );
-    match &contents.error {
-        Some(error) if error.is_cut() => parts.push("cut".into()),
-        Some(_) => parts.push("not readable to its end".into()),
-        None => {}
-    }
-    parts.join(", ")
+/// What is wrong with a recording, a line each.
+pub(crate) fn troubles(contents: &Contents) -> impl Iterator<Item = String> {
+    let losses = &contents.losses;
+    let left = losses.len().saturating_sub(MOST_SHOWN);
+    let error = contents.error.as_ref().map(ToString::to_string);
+    let shown = losses.iter().take(MOST_SHOWN).map(ToString::to_string);
+    let more = (left > 0).then(|| format!("{left} more are incomplete"));
+    error.into_iter().chain(shown).chain(more).chain(missed(contents))
 }
 
-/// What is missing from a file, for standard error.
-pub fn complain(
-    path: impl fmt::Display,
-    contents: &Contents,
-    out: &mut impl Write,
-) -> io::Result<()> {
-    if let Some(error) = &contents.error {
-        writeln!(out, "{path}: {error}")?;
-    }
-    for loss in contents.losses.iter().take(MOST_SHOWN) {
-        writeln!(out, "{path}: {loss}")?;
-    }
-    let left = contents.losses.len().saturating_sub(MOST_SHOWN);
-    if left > 0 {
-        writeln!(out, "{path}: {left} more are incomplete")?;
-    }
-    if contents.lost() > 0 {
-        writeln!(out, "{path}: the recorder missed {} messages", contents.lost())?;
-    }
-    Ok(())
+/// How many messages the recorder missed, if any.
+pub(crate) fn missed(contents: &Contents) -> Option<String> {
+    let lost = contents.lost();
+    (lost > 0).then(|| format!("the recorder missed {lost} messages"))
 }
 
-/// The result as one JSON object.
-pub fn json(checked: &[Checked], out: &mut impl Write) -> io::Result<()> {
+/// All files as one JSON object.
+pub(crate) fn json(checked: &[Checked], out: &mut impl Write) -> io::Result<()> {
     let files: Vec<_> = checked.iter().map(file_json).collect();
-    serde_json::to_writer_pretty(&mut *out, &json!({ "files": files }))?;
+    write_json(&json!({ "files": files }), out)
+}
+
+/// Writes a JSON value and ends the line.
+pub(crate) fn write_json(value: &Value, out: &mut impl Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, value)?;
     writeln!(out)
 }
 
 fn file_json(file: &Checked) -> Value {
     let (counts, contents) = (file.counts(), &file.contents);
-    let differences: Vec<_> = different(file)
-        .map(|(case, difference)| {
-            let place = &difference.place;
-            json!({
-                "request": case.index,
-                "key": case.key.to_string(),
-                "answer": place.answer,
-                "list": place.item.map(|(list, _)| list),
-                "index": place.item.map(|(_, index)| index),
-                "field": place.field,
-                "recorded": difference.recorded,
-                "planned": difference.planned,
-                "distance": difference.distance.filter(|distance| distance.is_finite()),
-            })
-        })
-        .collect();
+    let differences = file.differences().map(|(case, difference)| {
+        let mut fields = difference_json(difference);
+        fields.insert("request".into(), case.index.into());
+        fields.insert("key".into(), case.key.to_string().into());
+        fields
+    });
     json!({
         "path": file.path.to_string_lossy(),
         "requests": contents.requests,
         "equal": counts.equal,
+        "reworded": counts.reworded,
         "different": counts.different,
         "not_repeatable": counts.not_repeatable,
-        "differences": differences,
+        "differences": differences.collect::<Vec<_>>(),
         "incomplete": contents.losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "lost": contents.lost(),
         "cut": contents.error.as_ref().is_some_and(|error| error.is_cut()),
@@ -112,80 +66,18 @@ fn file_json(file: &Checked) -> Value {
     })
 }
 
-/// The result as JUnit XML: a suite for each file, a case for each request.
-pub fn junit(checked: &[Checked], out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
-    writeln!(out, r#"<testsuites name="replay check">"#)?;
-    for file in checked {
-        let (counts, contents) = (file.counts(), &file.contents);
-        let path = file.path.to_string_lossy();
-        let path = Escaped(&path);
-        // What is wrong with the file itself, as cases beside the requests.
-        let mut troubles: Vec<_> = contents.losses.iter().map(ToString::to_string).collect();
-        troubles.extend(contents.error.as_ref().map(ToString::to_string));
-        if contents.lost() > 0 {
-            troubles.push(format!("the recorder missed {} messages", contents.lost()));
-        }
-        writeln!(
-            out,
-            r#"  <testsuite name="{path}" tests="{}" failures="{}" errors="{}" skipped="{}">"#,
-            file.cases.len() + troubles.len(),
-            counts.different,
-            troubles.len(),
-            counts.not_repeatable,
-        )?;
-        for case in &file.cases {
-            write!(out, r#"    <testcase name="{case}" classname="{path}""#)?;
-            match &case.outcome {
-                Outcome::Equal => writeln!(out, "/>")?,
-                Outcome::NotRepeatable => {
-                    writeln!(out, r#"><skipped message="late or overloaded"/></testcase>"#)?;
-                }
-                Outcome::Different(difference) => {
-                    let text = difference.to_string();
-                    let text = Escaped(&text);
-                    writeln!(out, r#"><failure message="{text}"/></testcase>"#)?;
-                }
-            }
-        }
-        for (index, trouble) in troubles.iter().enumerate() {
-            let text = Escaped(trouble);
-            writeln!(
-                out,
-                r#"    <testcase name="recording {index}" classname="{path}"><error message="{text}"/></testcase>"#,
-            )?;
-        }
-        writeln!(out, "  </testsuite>")?;
-    }
-    writeln!(out, "</testsuites>")
-}
-
-fn different(file: &Checked) -> impl Iterator<Item = (&Case, &Difference)> {
-    file.cases.iter().filter_map(|case| match &case.outcome {
-        Outcome::Different(difference) => Some((case, &**difference)),
-        Outcome::Equal | Outcome::NotRepeatable => None,
-    })
-}
-
-impl fmt::Display for Case {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "request {} ({})", self.index, self.key)
-    }
-}
-
-/// Text within an XML attribute.
-struct Escaped<'a>(&'a str);
-
-impl fmt::Display for Escaped<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.chars().try_for_each(|character| match character {
-            '&' => f.write_str("&amp;"),
-            '<' => f.write_str("&lt;"),
-            '>' => f.write_str("&gt;"),
-            '"' => f.write_str("&quot;"),
-            // XML 1.0 has no form for these.
-            '\0'..'\x20' | '\u{fffe}' | '\u{ffff}' => f.write_str(" "),
-            _ => write!(f, "{character}"),
-        })
-    }
+/// A difference as the fields of a JSON object.
+pub(crate) fn difference_json(difference: &Difference) -> Map<String, Value> {
+    let Difference { path, recorded, planned, distance } = difference;
+    let FieldPath { answer, item, field } = path;
+    let fields = [
+        ("answer", json!(answer)),
+        ("list", json!(item.map(|(list, _)| list))),
+        ("index", json!(item.map(|(_, index)| index))),
+        ("field", json!(field)),
+        ("recorded", json!(recorded)),
+        ("planned", json!(planned)),
+        ("distance", json!(distance.filter(|distance| distance.is_finite()))),
+    ];
+    fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -1,5 +1,6 @@
 //! The program on recordings whole, changed, incomplete, cut and damaged.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -7,7 +8,8 @@ use answer::Caps;
 use assert_cmd::cargo::cargo_bin;
 use recording::{Options, Writer};
 use schemas::json;
-use schemas::message::{Reply, ReplyPart, Request, RequestContent, RequestKey};
+use schemas::message::{ErrorCode, Refusal, Reply, ReplyPart, Request, RequestContent, RequestKey};
+use serde_json::{Value, json};
 
 fn request(client: u64, sequence: u64) -> Request {
     let scene = include_str!("../../../recordings/scenes/disassemble-channels.json");
@@ -99,7 +101,7 @@ fn keep(_: &mut ReplyPart) -> bool {
 }
 
 #[test]
-fn what_is_planned_alike_is_equal() {
+fn equal_replies_are_equal() {
     let folder = Folder::with("a.mcap", keep);
     folder.check(&["check", "a.mcap"], 0, "a.mcap: 3 requests, 3 equal\n", "");
     folder.check(&["check", "."], 0, "3 equal", "");
@@ -121,15 +123,13 @@ fn the_first_difference_is_a_regression() {
     folder.check(&["check", "a.mcap", "--tolerance", "1"], 0, "3 equal", "");
 
     let (code, out, _) = folder.run(&["check", "a.mcap", "--format", "json"]);
-    let out: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let out: Value = serde_json::from_str(&out).unwrap();
     let difference = &out["files"][0]["differences"][0];
     assert_eq!(code, 4);
     assert_eq!(difference["request"], 1);
     assert_eq!(difference["list"], "sample");
     assert_eq!(difference["index"], 4);
     assert_eq!(difference["field"], "position[1]");
-    let suite = r#"<testsuite name="a.mcap" tests="3" failures="1" errors="0" skipped="0">"#;
-    folder.check(&["check", "a.mcap", "--format", "junit"], 4, suite, "");
 }
 
 #[test]
@@ -142,12 +142,7 @@ fn a_missing_reply_is_lost_data() {
         part.last &= part.key.sequence != 1;
         true
     });
-    folder.check(
-        &["check", "a.mcap"],
-        3,
-        "1 incomplete",
-        "ends after 1 parts, its last is missing",
-    );
+    folder.check(&["check", "a.mcap"], 3, "1 incomplete", "is cut off after 1 parts");
 
     let folder = Folder::with("a.mcap", |part| {
         part.part += u32::from(part.key.sequence == 1);
@@ -159,7 +154,7 @@ fn a_missing_reply_is_lost_data() {
         part.key.client += u64::from(part.key.sequence == 1);
         true
     });
-    folder.check(&["check", "a.mcap"], 3, "2 incomplete", "whose request is not in the recording");
+    folder.check(&["check", "a.mcap"], 3, "2 incomplete", "which is not in the recording");
 }
 
 #[test]
@@ -187,7 +182,7 @@ fn a_damaged_recording_is_a_failure() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 4;
     std::fs::write(folder.path("damaged.mcap"), &bytes).unwrap();
-    folder.check(&["check", "damaged.mcap"], 1, "not readable to its end", "the checksum of");
+    folder.check(&["check", "damaged.mcap"], 1, "unreadable before its end", "the checksum of");
     folder.check(&["recover", "damaged.mcap", "-o", "b.mcap"], 3, "2 missing in 1 gaps", "damaged");
     folder.check(&["check", "b.mcap"], 3, "2 equal", "the recorder missed 2 messages");
 }
@@ -195,10 +190,10 @@ fn a_damaged_recording_is_a_failure() {
 #[test]
 fn a_check_of_nothing_fails() {
     let folder = Folder::new();
-    folder.check(&["check", "."], 1, "", "no *.mcap files");
+    folder.check(&["check", "."], 1, "", ".: contains no *.mcap files");
     folder.check(&["check", "none.mcap"], 1, "", "none.mcap: No such file");
     Writer::create(folder.path("empty.mcap"), Options::default()).unwrap().finish().unwrap();
-    folder.check(&["check", "empty.mcap"], 1, "0 requests", "nothing to compare");
+    folder.check(&["check", "empty.mcap"], 1, "0 requests", "replay: nothing to compare");
     folder.check(&["info", "empty.mcap"], 0, "finished", "");
 }
 
@@ -207,7 +202,12 @@ fn wrong_arguments_are_a_usage_error() {
     let folder = Folder::new();
     folder.check(&["check"], 2, "", "Usage:");
     folder.check(&["check", "a.mcap", "--tolerance", "-1"], 2, "", "");
-    folder.check(&["check", "a.mcap", "--tolerance", "NaN"], 2, "", "zero or greater");
+    folder.check(
+        &["check", "a.mcap", "--tolerance", "NaN"],
+        2,
+        "",
+        "must be a number, 0 or greater",
+    );
     folder.check(&["--help"], 0, "Exit codes:", "");
 }
 
@@ -233,8 +233,109 @@ fn two_runs_of_the_same_requests_are_compared() {
 }
 
 #[test]
+fn differences_are_printed_as_json() {
+    let folder = Folder::with("a.mcap", keep);
+    record(&folder.path("b.mcap"), 8, |part| {
+        samples(part)[2].t += 0.5;
+        part.key.sequence == 0
+    });
+    let (code, out, _) = folder.run(&["diff", "a.mcap", "b.mcap", "--format", "json"]);
+    let out: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(code, 4);
+    assert_eq!((&out["equal"], &out["different"]), (&json!(0), &json!(1)));
+    let difference = &out["differences"][0];
+    assert_eq!(difference["keys"], json!(["0000000000000007/0", "0000000000000008/0"]));
+    assert_eq!((&difference["field"], &difference["index"]), (&json!("t"), &json!(2)));
+    assert_eq!(out["only_in_a"], json!(["0000000000000007/1", "0000000000000007/2"]));
+    assert_eq!(out["only_in_b"], json!([]));
+}
+
+/// Attributes of the elements with this name.
+fn elements(document: &roxmltree::Document, name: &str) -> Vec<BTreeMap<String, String>> {
+    let named = document.descendants().filter(|node| node.has_tag_name(name));
+    let attributes = |node: roxmltree::Node| {
+        let each = node.attributes().map(|at| (at.name().to_owned(), at.value().to_owned()));
+        each.collect()
+    };
+    named.map(attributes).collect()
+}
+
+#[test]
+fn junit_has_a_suite_for_each_file_and_a_case_for_each_request() {
+    // One reply differs, one depends on load, one is missing, and the file's name needs
+    // escapes.
+    let name = "<a> & \"b\".mcap";
+    let folder = Folder::with(name, |part| {
+        match part.key.sequence {
+            0 => samples(part)[4].position[1] += 0.001,
+            1 => {
+                part.content = Err(Refusal::new(ErrorCode::Overloaded, "too many requests"));
+                part.answers = 0;
+            }
+            _ => return false,
+        }
+        true
+    });
+    let (code, out, _) = folder.run(&["check", name, "--format", "junit"]);
+    assert_eq!(code, 4);
+    let document = roxmltree::Document::parse(&out).unwrap();
+    for tag in ["testsuites", "testsuite"] {
+        let [counts] = &elements(&document, tag)[..] else { panic!("{out}") };
+        let count = |what: &str| counts[what].as_str();
+        let counts = ["tests", "failures", "errors", "skipped"].map(count);
+        assert_eq!(counts, ["3", "1", "1", "1"], "{tag}");
+    }
+    assert_eq!(elements(&document, "testsuite")[0]["name"], name);
+    let cases = elements(&document, "testcase");
+    let names: Vec<_> = cases.iter().map(|case| case["name"].as_str()).collect();
+    let expected =
+        ["request 0 (0000000000000007/0)", "request 1 (0000000000000007/1)", "recording 0"];
+    assert_eq!(names, expected);
+    assert!(cases.iter().all(|case| case["classname"] == name));
+    let message = |tag: &str| elements(&document, tag)[0]["message"].clone();
+    assert!(message("failure").starts_with("answer 0, sample 4, position[1]: recorded "));
+    assert_eq!(message("skipped"), "depends on load");
+    assert_eq!(message("error"), "request 2 (0000000000000007/2) has no reply");
+}
+
+#[test]
+fn wording_is_not_compared() {
+    let mut refused = Request { sent_ns: 0, ..request(7, 0) };
+    let RequestContent::Scene(scene) = &mut refused.content else { unreachable!() };
+    scene.limits.speed = Some(-1.0);
+    let folder = Folder::new();
+    let record = |name: &str, change: fn(&mut Refusal)| {
+        let mut writer = Writer::create(folder.path(name), Options::default()).unwrap();
+        writer.write_request(&refused, 1).unwrap();
+        for mut part in parts(answer::reply_to(&refused, &Caps::default())) {
+            change(part.content.as_mut().unwrap_err());
+            writer.write_reply(&part, 2).unwrap();
+        }
+        writer.finish().unwrap();
+    };
+    record("same.mcap", |_| {});
+    record("reworded.mcap", |refusal| refusal.message = "in other words".into());
+    record("field.mcap", |refusal| refusal.field = Some("body".into()));
+    folder.check(&["check", "same.mcap"], 0, "same.mcap: 1 requests, 1 equal\n", "");
+    let said = "reworded.mcap: 1 requests, 1 equal (1 worded differently)\n";
+    folder.check(&["check", "reworded.mcap"], 0, said, "");
+    folder.check(&["check", "reworded.mcap", "--format", "json"], 0, "\"reworded\": 1\n", "");
+    let said = "1 equal (1 worded differently), 0 different";
+    folder.check(&["diff", "same.mcap", "reworded.mcap"], 0, said, "");
+    let said = "error.field: recorded body, planned limits.speed";
+    folder.check(&["check", "field.mcap"], 4, said, "");
+}
+
+#[test]
 fn a_recording_is_described() {
     let folder = Folder::with("a.mcap", keep);
+    let (code, out, _) = folder.run(&["info", "a.mcap", "--format", "json"]);
+    let out: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(code, 0);
+    assert_eq!((&out["requests"], &out["clients"]), (&json!(3), &json!(1)));
+    assert_eq!((&out["replies"], &out["parts"]), (&json!(3), &json!(3)));
+    assert_eq!((&out["first_ns"], &out["last_ns"]), (&json!(10_000), &json!(20_002)));
+    assert_eq!((&out["finished"], &out["error"]), (&json!(true), &Value::Null));
     folder.check(
         &["info", "a.mcap"],
         0,
@@ -244,7 +345,7 @@ fn a_recording_is_described() {
 }
 
 #[test]
-fn who_reads_no_further_is_no_failure() {
+fn a_reader_that_stops_early_is_no_failure() {
     let folder = Folder::with("a.mcap", keep);
     let mut child = Command::new(cargo_bin!("replay"))
         .args(["check", "--format", "json"])

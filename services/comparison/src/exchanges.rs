@@ -1,4 +1,4 @@
-//! Requests and their whole replies, out of a recording.
+//! A recording's requests with their whole replies.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -18,10 +18,10 @@ pub struct Exchange {
     pub reply: Reply,
 }
 
-/// A request without a whole reply, or parts of a reply without a request.
+/// A request without its whole reply, or parts of a reply without their request.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Loss {
-    /// Nothing of its reply is there.
+    /// There is no part of its reply.
     #[error("request {index} ({key}) has no reply")]
     NoReply {
         /// Counts the requests, from 0.
@@ -29,37 +29,37 @@ pub enum Loss {
         /// The request.
         key: RequestKey,
     },
-    /// Its reply has no end.
-    #[error("the reply to request {index} ({key}) ends after {parts} parts, its last is missing")]
+    /// The last part of its reply is missing.
+    #[error("the reply to request {index} ({key}) is cut off after {parts} parts")]
     NoEnd {
         /// Counts the requests, from 0.
         index: u64,
         /// The request.
         key: RequestKey,
-        /// Parts that are there.
+        /// Parts found.
         parts: u32,
     },
-    /// The parts of its reply do not fit together.
+    /// The parts of its reply don't fit together.
     #[error("the reply to request {index} ({key}): {error}")]
     Broken {
         /// Counts the requests, from 0.
         index: u64,
         /// The request.
         key: RequestKey,
-        /// Why not.
+        /// What is wrong.
         error: AssembleError,
     },
-    /// There is no request before the reply.
-    #[error("{parts} parts of a reply to {key}, whose request is not in the recording")]
+    /// No request precedes the reply.
+    #[error("{parts} parts of a reply to request {key}, which is not in the recording")]
     NoRequest {
         /// The request.
         key: RequestKey,
-        /// Parts that are there.
+        /// Parts found.
         parts: u64,
     },
 }
 
-/// What a recording holds beside its exchanges.
+/// What else a recording contains.
 #[derive(Debug, Default)]
 pub struct Contents {
     /// Bytes read.
@@ -78,18 +78,18 @@ pub struct Contents {
     pub times_ns: Option<(u64, u64)>,
     /// Requests without whole replies, and replies without requests.
     pub losses: Vec<Loss>,
-    /// Messages missing by their sequence numbers, and how often some in a row are.
+    /// Messages missing according to sequence numbers, and in how many gaps.
     pub missing: (u64, u64),
-    /// What the recording says of itself at its end.
+    /// The totals that its recorder wrote at the end.
     pub summary: Option<Summary>,
     /// Messages of other channels.
     pub skipped: u64,
-    /// Why it could not be read (to its end).
+    /// Why it could not be read to its end.
     pub error: Option<ReadError>,
 }
 
 impl Contents {
-    /// Messages that the recorder missed, as far as can be told.
+    /// Messages that the recorder missed, as far as the recording shows.
     pub fn lost(&self) -> u64 {
         self.missing.0.max(self.summary.map_or(0, |summary| summary.lost))
     }
@@ -101,7 +101,7 @@ impl Contents {
             || self.error.as_ref().is_some_and(ReadError::is_cut)
     }
 
-    /// Why it could not be read, other than that it is cut.
+    /// Why it could not be read, unless it is only cut off.
     pub fn failure(&self) -> Option<&ReadError> {
         self.error.as_ref().filter(|error| !error.is_cut())
     }
@@ -115,10 +115,10 @@ struct Pending {
     error: Option<AssembleError>,
 }
 
-/// Reads the recording at `path`; `each` takes every exchange when its last part comes,
-/// and `progress` is told how many bytes are read.
+/// Reads the recording at `path`. `each` gets every exchange as soon as its reply is whole,
+/// `progress` the number of bytes read so far.
 ///
-/// Memory: the requests that wait for their replies, and the parts of these.
+/// Memory: requests whose replies are not yet whole, with the parts read.
 pub fn read(
     path: &Path,
     mut progress: impl FnMut(u64),

@@ -1,15 +1,15 @@
-//! Replies as people read them in a terminal, and as rows of numbers.
+//! Replies as tables in a terminal.
 
 use std::io::{self, Write};
 
 use comfy_table::{CellAlignment, Table, presets};
 use schemas::message::{
-    Answer, Curve, ErrorCode, Leg, Refusal, Reply, Sample, SceneRequest, Trajectory, Vector,
+    Answer, Curve, ErrorCode, Leg, Refusal, Reply, SceneRequest, Trajectory, Vector,
 };
 
-/// Writes a reply as tables: one row per answer, and where there is one answer its
-/// legs. There is no scene where it could not be read.
-pub fn write_text(
+/// Writes a reply as tables: a row for each answer, and the legs if there is only one. `scene`
+/// is `None` if it could not be read.
+pub fn write(
     out: &mut impl Write,
     name: &str,
     scene: Option<&SceneRequest>,
@@ -22,10 +22,10 @@ pub fn write_text(
         Ok(answers) => {
             writeln!(out, "{name}{id}: {}", task.trim_end_matches(": "))?;
             writeln!(out, "{}", answers_table(answers))?;
-            // Under the table: their words would widen its columns.
+            // Below the table: messages would widen its columns.
             for (index, answer) in answers.iter().enumerate() {
                 if let Err(refusal) = answer {
-                    writeln!(out, "  answer {}: {}", index + 1, refused(refusal))?;
+                    writeln!(out, "  answer {index}: {}", refused(refusal))?;
                 }
             }
             if let [Ok(trajectory)] = answers.as_slice() {
@@ -53,7 +53,7 @@ fn code(code: ErrorCode) -> String {
     text
 }
 
-/// A table without frames, numbers to the right.
+/// A table without frames; all columns but the first are right-aligned.
 pub fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_header(header);
@@ -120,7 +120,7 @@ fn point(point: &Vector) -> String {
     format!("({})", coordinates.join(", "))
 }
 
-/// The gaps of a trajectory, as short as they can be said: one number where all are the same.
+/// The gaps of a trajectory in brief: one number if all are equal.
 pub fn gaps(trajectory: &Trajectory) -> String {
     let gaps = &trajectory.gaps;
     match gaps.first() {
@@ -140,33 +140,8 @@ pub fn gaps(trajectory: &Trajectory) -> String {
     }
 }
 
-/// A number to micrometres, without zeros at its end.
+/// A number to micrometres, without trailing zeros.
 fn number(value: f64) -> String {
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// The head of the rows that [`write_csv`] writes.
-pub const CSV_HEAD: &str = "scene,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate";
-
-/// Writes the samples of a reply, one row each; `number` counts the scenes. In assembly scenes
-/// of two dimensions y is 0. Refusals have no rows.
-pub fn write_csv(
-    out: &mut impl Write,
-    number: usize,
-    scene: &SceneRequest,
-    reply: &Reply,
-) -> io::Result<()> {
-    let drive = scene.task == schemas::message::Task::Drive;
-    for (index, answer) in reply.answers.iter().flatten().enumerate() {
-        let Ok(trajectory) = answer else { continue };
-        let in_plane = trajectory.dimension == 2 && !drive;
-        let axes = |[a, b, c]: [f64; 3]| if in_plane { [a, 0.0, b] } else { [a, b, c] };
-        for sample in &trajectory.samples {
-            let Sample { t, position, heading, velocity, yaw_rate } = sample;
-            let ([x, y, z], [vx, vy, vz]) = (axes(*position), axes(*velocity));
-            writeln!(out, "{number},{index},{t},{x},{y},{z},{heading},{vx},{vy},{vz},{yaw_rate}")?;
-        }
-    }
-    Ok(())
 }

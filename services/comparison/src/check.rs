@@ -1,0 +1,187 @@
+//! Plans a recording's requests again and compares the replies.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use schemas::message::{Reply, Request, RequestKey};
+
+use crate::compare::{Difference, Outcome, Tolerance, compare};
+use crate::exchanges::{self, Contents};
+
+/// Differences of a file that its text shows.
+const MOST_SHOWN: usize = 10;
+
+/// How the replies of one recording compare.
+#[derive(Debug)]
+pub struct Checked {
+    /// The file.
+    pub path: PathBuf,
+    /// What is in it.
+    pub contents: Contents,
+    /// Its exchanges, in the order in which their replies ended.
+    pub cases: Vec<Case>,
+}
+
+/// How one reply compares.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Counts the recording's requests, from 0.
+    pub index: u64,
+    /// The request.
+    pub key: RequestKey,
+    /// How its reply compares.
+    pub outcome: Outcome,
+}
+
+/// How many replies compare in which way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Replies that are equal.
+    pub equal: u64,
+    /// Equal replies with differently worded messages.
+    pub reworded: u64,
+    /// Replies that differ.
+    pub different: u64,
+    /// Replies that depend on load.
+    pub not_repeatable: u64,
+}
+
+impl Counts {
+    /// Counts one outcome.
+    pub fn add(&mut self, outcome: &Outcome) {
+        match outcome {
+            Outcome::Equal { reworded } => {
+                self.equal += 1;
+                self.reworded += u64::from(*reworded > 0);
+            }
+            Outcome::Different(_) => self.different += 1,
+            Outcome::NotRepeatable => self.not_repeatable += 1,
+        }
+    }
+}
+
+/// The counts that are not 0, such as `3 equal (1 worded differently), 2 different`.
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { equal, reworded, different, not_repeatable } = *self;
+        let mut parts = Vec::new();
+        match (equal, reworded) {
+            (0, _) => {}
+            (_, 0) => parts.push(format!("{equal} equal")),
+            _ => parts.push(format!("{equal} equal ({reworded} worded differently)")),
+        }
+        if different > 0 {
+            parts.push(format!("{different} different"));
+        }
+        if not_repeatable > 0 {
+            parts.push(format!("{not_repeatable} not repeatable (depend on load)"));
+        }
+        f.write_str(&parts.join(", "))
+    }
+}
+
+impl Checked {
+    /// How many replies compare in which way.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        self.cases.iter().for_each(|case| counts.add(&case.outcome));
+        counts
+    }
+
+    /// The replies that differ.
+    pub fn differences(&self) -> impl Iterator<Item = (&Case, &Difference)> {
+        self.cases.iter().filter_map(|case| match &case.outcome {
+            Outcome::Different(difference) => Some((case, &**difference)),
+            Outcome::Equal { .. } | Outcome::NotRepeatable => None,
+        })
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "request {} ({})", self.index, self.key)
+    }
+}
+
+/// The first differences, a line each, and a line of counts.
+impl fmt::Display for Checked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, contents, cases: _ } = self;
+        let path = path.display();
+        for (case, difference) in self.differences().take(MOST_SHOWN) {
+            writeln!(f, "{path}: {case}: {difference}")?;
+        }
+        let counts = self.counts();
+        let left = counts.different.saturating_sub(MOST_SHOWN as u64);
+        if left > 0 {
+            writeln!(f, "{path}: {left} more requests differ")?;
+        }
+        write!(f, "{path}: {} requests", contents.requests)?;
+        if counts != Counts::default() {
+            write!(f, ", {counts}")?;
+        }
+        if !contents.losses.is_empty() {
+            write!(f, ", {} incomplete", contents.losses.len())?;
+        }
+        if contents.lost() > 0 {
+            write!(f, ", {} messages lost while recording", contents.lost())?;
+        }
+        match &contents.error {
+            Some(error) if error.is_cut() => write!(f, ", cut"),
+            Some(_) => write!(f, ", unreadable before its end"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Plans the requests of the recording at `path` again with `plan` and compares the replies
+/// with those recorded. `progress` is told how many bytes have been read.
+pub fn check(
+    path: &Path,
+    tolerance: Tolerance,
+    plan: impl Fn(&Request) -> Reply,
+    progress: impl FnMut(u64),
+) -> Checked {
+    let mut cases = Vec::new();
+    let contents = exchanges::read(path, progress, |exchange| {
+        let planned = plan(&exchange.request);
+        let outcome = compare(&exchange.reply, &planned, tolerance);
+        cases.push(Case { index: exchange.index, key: exchange.request.key, outcome });
+    });
+    Checked { path: path.to_owned(), contents, cases }
+}
+
+/// The recordings that `paths` name: files, and all `*.mcap` in folders and below, sorted.
+pub fn find(paths: &[PathBuf]) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for path in paths {
+        let named =
+            |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+        if fs::metadata(path).map_err(named)?.is_dir() {
+            let before = files.len();
+            find_in(path, &mut files).map_err(named)?;
+            files[before..].sort();
+            if files.len() == before {
+                let error = io::Error::new(io::ErrorKind::NotFound, "contains no *.mcap files");
+                return Err(named(error));
+            }
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+fn find_in(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        // Links to folders are not followed: they may lead back.
+        if entry.file_type()?.is_dir() {
+            find_in(&entry.path(), files)?;
+        } else if entry.path().extension().is_some_and(|extension| extension == "mcap") {
+            files.push(entry.path());
+        }
+    }
+    Ok(())
+}

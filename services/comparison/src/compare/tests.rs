@@ -1,0 +1,236 @@
+use std::f64::consts::TAU;
+
+use schemas::message::{
+    Answer, Clearance, Curve, Direction, Leg, RequestKey, Rule, Sample, Trajectory,
+};
+
+use super::*;
+
+const EQUAL: Outcome = Outcome::Equal { reworded: 0 };
+
+fn trajectory() -> Trajectory {
+    let sample = |t| Sample { t, position: [t, 0.25, 0.0], ..Sample::default() };
+    let arc = Curve::Arc { center: [0.0, 1.0].into(), radius: 1.5, start_angle: 0.5, sweep: -1.0 };
+    let rule = Some(Rule { table: 1, number: 3 });
+    Trajectory {
+        dimension: 2,
+        gaps_per_junction: 1,
+        length: 7.4,
+        duration: 11.9,
+        clearance: Clearance { value: 0.01, at: 0.0, wall: [6.99, 1.0].into() },
+        gaps: vec![0.2, 0.3],
+        route: vec![0, 1, 2],
+        legs: vec![Leg { curve: arc, length: 1.5, clearance: 0.1, junction: Some(0), rule }],
+        samples: [0.0, 0.02, 0.04].map(sample).to_vec(),
+        ..Trajectory::default()
+    }
+}
+
+fn refusal(needs: f64) -> Refusal {
+    let refusal = Refusal::new(ErrorCode::JunctionTooSmall, format!("needs {needs} m"));
+    Refusal { needs: Some(needs), ..refusal }
+}
+
+fn reply(answers: Result<Vec<Answer>, Refusal>) -> Reply {
+    Reply { key: RequestKey { client: 1, sequence: 2 }, id: Some(7), answers }
+}
+
+fn whole() -> Reply {
+    reply(Ok(vec![Err(refusal(2.5)), Ok(trajectory())]))
+}
+
+/// What is said of a reply whose second answer differs as `change` makes it.
+fn said(tolerance: Tolerance, change: impl Fn(&mut Trajectory)) -> String {
+    let mut planned = whole();
+    let Ok(answers) = &mut planned.answers else { unreachable!() };
+    change(answers[1].as_mut().unwrap());
+    match compare(&whole(), &planned, tolerance) {
+        Outcome::Different(difference) => difference.to_string(),
+        Outcome::Equal { reworded: 0 } => "equal".to_owned(),
+        outcome => panic!("{outcome:?}"),
+    }
+}
+
+#[track_caller]
+fn check(change: impl Fn(&mut Trajectory), expected: &str) {
+    assert_eq!(said(Tolerance::Exact, change), expected);
+}
+
+#[test]
+fn equal_replies_are_equal() {
+    assert_eq!(compare(&whole(), &whole(), Tolerance::Exact), EQUAL);
+    assert_eq!(compare(&whole(), &whole(), Tolerance::Within(0.0)), EQUAL);
+}
+
+#[test]
+fn the_first_difference_is_named() {
+    check(
+        |planned| {
+            planned.samples[2].t = 9.0;
+            planned.samples[1].position[1] = 0.25f64.next_up();
+            planned.samples[1].yaw_rate = 1.0;
+        },
+        "answer 1, sample 1, position[1]: recorded 0.25000000000000000, \
+         planned 0.25000000000000006 (5.55e-17 apart)",
+    );
+    check(
+        |planned| {
+            planned.samples.pop();
+            planned.length = 7.5;
+        },
+        "answer 1, length: recorded 7.4000000000000004, planned 7.5000000000000000 \
+         (1.00e-1 apart)",
+    );
+    check(
+        |planned| planned.legs[0].rule = Some(Rule { table: 2, number: 1 }),
+        "answer 1, leg 0, rule: recorded table 1 rule 3, planned table 2 rule 1",
+    );
+    check(
+        |planned| {
+            planned.legs[0].curve = Curve::Turn {
+                position: [0.0, 0.0].into(),
+                from_heading: 0.0,
+                to_heading: 0.0,
+                sweep: 0.0,
+            };
+        },
+        "answer 1, leg 0, kind: recorded arc, planned turn",
+    );
+    check(
+        |planned| planned.gaps[1] = 0.5,
+        "answer 1, gap 1, value: recorded 0.29999999999999999, \
+         planned 0.50000000000000000 (2.00e-1 apart)",
+    );
+    check(|planned| planned.route[2] = 5, "answer 1, route 2, channel: recorded 2, planned 5");
+    check(
+        |planned| planned.clearance.wall = [6.99, 1.0, 0.0].into(),
+        "answer 1, clearance.wall, number of coordinates: recorded 2, planned 3",
+    );
+}
+
+#[test]
+fn a_list_that_ends_early_is_compared_as_far_as_it_goes() {
+    check(
+        |planned| planned.samples.truncate(2),
+        "answer 1, number of samples: recorded 3, planned 2",
+    );
+    check(
+        |planned| {
+            planned.samples.truncate(2);
+            planned.samples[0].t = -0.0;
+        },
+        "answer 1, sample 0, t: recorded 0.0000000000000000, planned -0.0000000000000000 \
+         (0.00e0 apart)",
+    );
+}
+
+#[test]
+fn a_tolerance_forgives_as_much_as_it_says() {
+    let change = |planned: &mut Trajectory| planned.samples[1].velocity[0] = 1e-9;
+    assert_eq!(said(Tolerance::Within(1e-9), change), "equal");
+    assert!(
+        said(Tolerance::Within(0.99e-9), change).starts_with("answer 1, sample 1, velocity[0]")
+    );
+    let turned = |planned: &mut Trajectory| {
+        let Curve::Arc { start_angle, .. } = &mut planned.legs[0].curve else { unreachable!() };
+        *start_angle += TAU;
+    };
+    assert_eq!(said(Tolerance::Within(1e-12), turned), "equal");
+    assert!(said(Tolerance::Exact, turned).starts_with("answer 1, leg 0, start_angle"));
+    let signed = |planned: &mut Trajectory| planned.samples[0].t = -0.0;
+    assert_eq!(said(Tolerance::Within(0.0), signed), "equal");
+    let nan = |planned: &mut Trajectory| planned.samples[1].t = f64::NAN;
+    assert!(said(Tolerance::Within(1e9), nan).contains("planned NaN (0x7ff8000000000000)"));
+}
+
+#[test]
+fn refusals_are_compared_by_their_numbers() {
+    let (one, other) = (reply(Err(refusal(2.5))), reply(Err(refusal(2.75))));
+    let Outcome::Different(difference) = compare(&one, &other, Tolerance::Exact) else {
+        panic!("they differ");
+    };
+    assert_eq!(difference.path.to_string(), "error.needs");
+    let within = compare(&one, &other, Tolerance::Within(0.25));
+    assert_eq!(within, Outcome::Equal { reworded: 1 }, "the message has the number, too");
+}
+
+#[test]
+fn every_field_of_a_refusal_but_its_message_is_compared() {
+    type Change = fn(&mut Refusal);
+    let changes: [(Change, &str); 9] = [
+        (
+            |it| it.code = ErrorCode::NoRoute,
+            "error.code: recorded junction_too_small, planned no_route",
+        ),
+        (|it| it.field = Some("body".into()), "error.field: recorded none, planned body"),
+        (|it| it.junction = Some(3), "error.junction: recorded none, planned 3"),
+        (|it| it.axis = Some(2), "error.axis: recorded none, planned z"),
+        (|it| it.needs = None, "error.needs: recorded 2.5000000000000000, planned none"),
+        (|it| it.has = Some(1.0), "error.has: recorded none, planned 1.0000000000000000"),
+        (|it| it.least = Some(0.0), "error.least: recorded none, planned 0.0000000000000000"),
+        (|it| it.most = Some(-0.0), "error.most: recorded none, planned -0.0000000000000000"),
+        (|it| it.heading = Some(1.0), "error.heading: recorded none, planned 1.0000000000000000"),
+    ];
+    for (change, expected) in changes {
+        let mut planned = refusal(2.5);
+        change(&mut planned);
+        let planned = reply(Err(planned));
+        let Outcome::Different(difference) =
+            compare(&reply(Err(refusal(2.5))), &planned, Tolerance::Exact)
+        else {
+            panic!("{expected}");
+        };
+        assert_eq!(difference.to_string(), expected);
+    }
+}
+
+#[test]
+fn wording_is_counted_and_not_compared() {
+    let planned = Refusal { message: "in other words".into(), ..refusal(2.5) };
+    let one = reply(Ok(vec![Ok(trajectory()), Err(refusal(2.5)), Err(refusal(2.5))]));
+    let other = reply(Ok(vec![Ok(trajectory()), Err(planned.clone()), Err(refusal(2.5))]));
+    assert_eq!(compare(&one, &other, Tolerance::Exact), Outcome::Equal { reworded: 1 });
+    let whole = compare(&reply(Err(refusal(2.5))), &reply(Err(planned)), Tolerance::Exact);
+    assert_eq!(whole, Outcome::Equal { reworded: 1 });
+}
+
+#[test]
+fn a_setting_is_compared_if_the_recording_has_it() {
+    let with = |setting: Option<&str>| {
+        reply(Err(Refusal { setting: setting.map(str::to_owned), ..refusal(2.5) }))
+    };
+    let [old, new, other] = [None, Some("caps.pieces"), Some("caps.answers")].map(with);
+    assert_eq!(compare(&old, &new, Tolerance::Exact), EQUAL, "version 1 has no settings");
+    assert_eq!(compare(&new, &new, Tolerance::Exact), EQUAL);
+    for planned in [old, other] {
+        assert!(matches!(compare(&new, &planned, Tolerance::Exact), Outcome::Different(_)));
+    }
+}
+
+#[test]
+fn exits_are_named() {
+    check(
+        |planned| planned.exit = Some(Direction::MinusX),
+        "answer 1, exit: recorded none, planned -x",
+    );
+}
+
+#[test]
+fn a_refusal_in_place_of_a_trajectory_is_quoted() {
+    let planned = reply(Err(refusal(2.5)));
+    let Outcome::Different(difference) = compare(&whole(), &planned, Tolerance::Exact) else {
+        panic!("they differ");
+    };
+    assert_eq!(
+        difference.to_string(),
+        "answers: recorded 2 answers, planned a refusal (junction_too_small: needs 2.5 m)"
+    );
+}
+
+#[test]
+fn refusals_that_depend_on_load_are_not_repeatable() {
+    let late = || Refusal::new(ErrorCode::DeadlineExceeded, "too late");
+    assert_eq!(compare(&reply(Err(late())), &whole(), Tolerance::Exact), Outcome::NotRepeatable);
+    let one_late = reply(Ok(vec![Err(late()), Ok(trajectory())]));
+    assert_eq!(compare(&one_late, &whole(), Tolerance::Exact), EQUAL);
+}

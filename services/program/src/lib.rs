@@ -1,0 +1,23 @@
+//! What all programs do alike: exit codes, printing results, reporting errors, diagnostics.
+//!
+//! Results go to stdout, everything else to stderr.
+//!
+//! ```no_run
+//! use program::{Exit, PrintError};
+//! use std::io::Write;
+//!
+//! fn main() -> std::process::ExitCode {
+//!     program::main("greet", || {
+//!         writeln!(std::io::stdout(), "hello").map_err(PrintError)?;
+//!         Ok(Exit::Done)
+//!     })
+//! }
+//! ```
+
+mod diagnostics;
+mod exit;
+mod print;
+
+pub use diagnostics::{Diagnostics, start_diagnostics};
+pub use exit::{Exit, main};
+pub use print::{PrintError, report, warn};

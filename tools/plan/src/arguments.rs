@@ -1,0 +1,77 @@
+//! Command-line arguments.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bus::Domain;
+use clap::{Parser, ValueEnum};
+
+/// Plans scenes and prints the replies, in order
+#[derive(Debug, Parser)]
+#[command(
+    name = "plan",
+    version,
+    after_help = "\
+Examples:
+  plan recordings/scenes/disassemble.json
+  plan --map office.yaml drive-office.json
+  plan --local --format json scene.json | jq .trajectories[0].length
+  generate-scenes | plan --format csv - > samples.csv
+
+stdin (`-`) holds JSON objects one after another, on one line each or spread over several; each
+is answered as soon as it is complete. After invalid JSON, reading goes on at the next line that
+is not indented.
+
+CSV has a row for each sample, in SI units, with the columns
+  scene,id,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate
+scene counts from 1, id is the scene's own (empty if it has none), answer counts from 0.
+Refusals have no rows; they go to stderr.
+
+Results go to stdout, diagnostics to stderr.
+Exit codes: 0 every scene has a trajectory, 1 a scene was refused or something failed, 2 usage."
+)]
+pub(crate) struct Arguments {
+    /// Scene files; `-` reads any number of scenes from stdin
+    #[arg(required = true, value_name = "SCENE.json")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// The planner's domain
+    #[arg(long, value_name = "NAME")]
+    pub(crate) domain: Option<Domain>,
+    /// Floor plan in the ROS map server's format: the free space of every scene, which then
+    /// must not have its own
+    #[arg(long, value_name = "FILE.yaml")]
+    pub(crate) map: Option<PathBuf>,
+    /// Plan in this process, without a planner; the replies are the same
+    #[arg(long)]
+    pub(crate) local: bool,
+    /// The planner's configuration: its [caps] bound what a request may cost; other settings
+    /// don't change replies
+    #[arg(long, value_name = "FILE", requires = "local")]
+    pub(crate) config: Option<PathBuf>,
+    /// Print tables, one JSON object per line, or rows of samples
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// Draw each scene with its answers; of several scenes, all but the first get a number:
+    /// FILE.svg, FILE-2.svg, ...
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Replace existing files
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// How long to wait for each reply
+    #[arg(
+        long,
+        value_name = "TIME",
+        default_value = "10s",
+        value_parser = humantime::parse_duration,
+        conflicts_with = "local"
+    )]
+    pub(crate) timeout: Duration,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    Text,
+    Json,
+    Csv,
+}

@@ -1,0 +1,246 @@
+//! A run of the command: every scene is planned and its reply printed.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use answer::Caps;
+use bus::{CallError, Client, Wait};
+use configuration::{Config, ConfigError};
+use plan::map::{self, MapError};
+use program::{Exit, PrintError, warn};
+use render::table;
+use schemas::json::{self, UnreadableScene};
+use schemas::message::{
+    FreeSpace, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest,
+};
+
+use crate::arguments::{Arguments, Format};
+use crate::csv;
+use crate::pictures::{PictureError, Pictures};
+use crate::stdin::Stdin;
+use crate::stream::{MOST_BYTES, SceneText, Scenes};
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    Map(#[from] MapError),
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    #[error(transparent)]
+    Connect(#[from] bus::ConnectError),
+    #[error(transparent)]
+    Call(#[from] CallError),
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    // Not transparent: `program::main` looks for it among the sources.
+    #[error("{0}")]
+    Print(#[from] PrintError),
+    #[error("can't read {}: {cause}", path.display())]
+    Read { path: PathBuf, cause: io::Error },
+}
+
+/// Plans all scenes, once it is clear that their pictures can be written.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Failure> {
+    let pictures = arguments.svg.clone().map(|path| Pictures::new(path, arguments.overwrite));
+    if let Some(pictures) = &pictures {
+        pictures.check(&arguments.scenes)?;
+    }
+    let map = arguments.map.as_deref().map(map::read).transpose()?;
+    let planner = Planner::new(arguments)?;
+    let out = BufWriter::new(io::stdout().lock());
+    let mut session = Session { arguments, map, planner, pictures, out, scenes: 0, refused: 0 };
+    match session.run() {
+        Ok(()) if session.refused == 0 => Ok(Exit::Done),
+        Ok(()) => Ok(Exit::Failure),
+        Err(Failure::Call(CallError::Interrupted)) => Ok(Exit::Interrupted),
+        Err(_) if session.planner.is_interrupted() => Ok(Exit::Interrupted),
+        Err(failure) => Err(failure),
+    }
+}
+
+/// What answers.
+enum Planner {
+    /// This process.
+    Local { caps: Caps, sequence: u64 },
+    /// The planner of a domain. Signals no longer end this process but set a flag, so that
+    /// nothing is left in shared memory.
+    Running(Box<Client>),
+}
+
+impl Planner {
+    fn new(arguments: &Arguments) -> Result<Self, Failure> {
+        if arguments.local {
+            let config = arguments.config.as_deref().map(Config::read).transpose()?;
+            return Ok(Self::Local { caps: config.unwrap_or_default().caps, sequence: 0 });
+        }
+        let domain = arguments.domain.clone().unwrap_or_default();
+        let connected = Client::connect(&domain, Wait::Hybrid);
+        // Alone in the domain, it leaves nothing behind.
+        Ok(Self::Running(Box::new(connected.inspect_err(|_| domain.tidy())?)))
+    }
+
+    fn is_interrupted(&self) -> bool {
+        matches!(self, Self::Running(_)) && bus::terminated()
+    }
+
+    fn reply(&mut self, scene: &SceneRequest, arguments: &Arguments) -> Result<Reply, CallError> {
+        if self.is_interrupted() {
+            return Err(CallError::Interrupted);
+        }
+        match self {
+            Self::Running(client) => match client.call(scene, arguments.timeout) {
+                // A scene that doesn't fit the wire is refused as the planner would.
+                Err(CallError::Scene(refusal)) => Ok(refusal_to(scene.id, refusal)),
+                done => done,
+            },
+            Self::Local { caps, sequence } => {
+                let key = RequestKey { client: 0, sequence: *sequence };
+                *sequence += 1;
+                let content = RequestContent::Scene(scene.clone());
+                Ok(answer::reply_to(&Request { key, sent_ns: 0, content }, caps))
+            }
+        }
+    }
+}
+
+fn refusal_to(id: Option<u64>, refusal: Refusal) -> Reply {
+    Reply { key: RequestKey::default(), id, answers: Err(refusal) }
+}
+
+struct Session<'a> {
+    arguments: &'a Arguments,
+    map: Option<FreeSpace>,
+    planner: Planner,
+    pictures: Option<Pictures>,
+    out: BufWriter<io::StdoutLock<'a>>,
+    scenes: usize,
+    refused: usize,
+}
+
+impl Session<'_> {
+    fn run(&mut self) -> Result<(), Failure> {
+        if self.arguments.format == Format::Csv {
+            writeln!(self.out, "{}", csv::HEADER).map_err(PrintError)?;
+        }
+        let arguments = self.arguments;
+        for path in &arguments.scenes {
+            let unreadable = |cause| Failure::Read { path: path.clone(), cause };
+            if path == Path::new("-") {
+                self.stdin()?;
+            } else {
+                let text = read_file(path).map_err(unreadable)?;
+                let scene = self.read(&text);
+                self.scene(&path.display().to_string(), scene)?;
+            }
+        }
+        Ok(self.out.flush().map_err(PrintError)?)
+    }
+
+    /// Plans the scenes on stdin, each as soon as it is complete.
+    fn stdin(&mut self) -> Result<(), Failure> {
+        let unreadable = |cause| Failure::Read { path: "stdin".into(), cause };
+        // In this process, signals end it anyway.
+        let running = matches!(self.planner, Planner::Running(_));
+        let stdin = BufReader::new(Stdin::new(move || running && bus::terminated()));
+        let mut scenes = Scenes::new(stdin, MOST_BYTES);
+        while let Some(scene) = scenes.next().map_err(unreadable)? {
+            if let Some(lines) = scenes.skipped() {
+                let (first, last) = (lines.start(), lines.end());
+                warn(format_args!(
+                    "plan: skipped lines {first} to {last} of stdin: they follow invalid JSON"
+                ));
+            }
+            let number = self.scenes + 1;
+            let SceneText { line, text, fault } = scene;
+            let mut read = self.read(&text);
+            if let Some(fault) = fault {
+                let (id, field) = match read {
+                    Ok(scene) => (scene.id, None),
+                    Err(unreadable) => (unreadable.id, unreadable.refusal.field),
+                };
+                let message = format!("scene {number}: {fault}");
+                let refusal = Refusal::invalid(field.unwrap_or("scene".into()), message);
+                read = Err(UnreadableScene { id, refusal });
+            }
+            self.scene(&format!("scene {number} (line {line})"), read)?;
+        }
+        Ok(())
+    }
+
+    fn read(&self, text: &str) -> Result<SceneRequest, UnreadableScene> {
+        match &self.map {
+            Some(map) => map::read_scene(text, map),
+            None => json::read_scene(text),
+        }
+    }
+
+    /// Plans a scene, prints the reply and draws both.
+    fn scene(
+        &mut self,
+        name: &str,
+        scene: Result<SceneRequest, UnreadableScene>,
+    ) -> Result<(), Failure> {
+        self.scenes += 1;
+        let (scene, reply) = match scene {
+            Ok(scene) => {
+                let reply = self.planner.reply(&scene, self.arguments)?;
+                (Some(scene), reply)
+            }
+            Err(unreadable) => (None, refusal_to(unreadable.id, unreadable.refusal)),
+        };
+        if !reply.answers.iter().flatten().any(Result::is_ok) {
+            self.refused += 1;
+        }
+        self.print(name, scene.as_ref(), &reply).map_err(PrintError)?;
+        if let (Some(pictures), Some(scene)) = (&self.pictures, &scene) {
+            pictures.draw(self.scenes, scene, &reply)?;
+        }
+        Ok(())
+    }
+
+    fn print(&mut self, name: &str, scene: Option<&SceneRequest>, reply: &Reply) -> io::Result<()> {
+        match self.arguments.format {
+            Format::Text => table::write(&mut self.out, name, scene, reply)?,
+            Format::Json => {
+                json::write_reply(reply, &mut self.out)?;
+                writeln!(self.out)?;
+            }
+            Format::Csv => {
+                if let Some(scene) = scene {
+                    csv::write(&mut self.out, self.scenes, scene, reply)?;
+                }
+                warn_of_refusals(name, reply);
+            }
+        }
+        // Whoever sends scene by scene waits for each reply.
+        self.out.flush()
+    }
+}
+
+/// Tells stderr of refusals, for which rows of samples have no room.
+fn warn_of_refusals(name: &str, reply: &Reply) {
+    let id = reply.id.map_or(String::new(), |id| format!(" (id {id})"));
+    match &reply.answers {
+        Err(refusal) => warn(format_args!("plan: {name}{id}: {}", table::refused(refusal))),
+        Ok(answers) => {
+            for (index, answer) in answers.iter().enumerate() {
+                if let Err(refusal) = answer {
+                    let refused = table::refused(refusal);
+                    warn(format_args!("plan: {name}{id}: answer {index}: {refused}"));
+                }
+            }
+        }
+    }
+}
+
+/// The text of a file with one scene.
+fn read_file(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(MOST_BYTES as u64 + 1).read_to_string(&mut text)?;
+    if text.len() > MOST_BYTES {
+        let reason = format!("longer than {MOST_BYTES} bytes, the most for one scene");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
+    }
+    Ok(text)
+}

@@ -1,0 +1,32 @@
+//! What a command found, as an exit code.
+
+use comparison::exchanges::Contents;
+use program::Exit;
+
+/// What was found; the worst of it becomes the exit code.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Findings {
+    /// Replies differ.
+    pub(crate) regression: bool,
+    /// Something failed.
+    pub(crate) failure: bool,
+    /// Data was lost.
+    pub(crate) loss: bool,
+}
+
+impl Findings {
+    /// Adds what is wrong with a recording.
+    pub(crate) fn add(&mut self, contents: &Contents) {
+        self.failure |= contents.failure().is_some();
+        self.loss |= contents.is_incomplete();
+    }
+
+    pub(crate) fn exit(self) -> Exit {
+        match self {
+            Self { regression: true, .. } => Exit::Regression,
+            Self { failure: true, .. } => Exit::Failure,
+            Self { loss: true, .. } => Exit::Lost,
+            Self { .. } => Exit::Done,
+        }
+    }
+}
