@@ -1,4 +1,7 @@
-//! The exact least distance between the moving body and the walls.
+//! The exact least distance between a moving body and the walls.
+//!
+//! [`translating`]: a box or a polygon along lines, in two and three dimensions.
+//! [`rectangle`]: the robot's rectangle along lines, arcs and turns. Nothing is sampled.
 
 use crate::geometry::Vector;
 
@@ -10,8 +13,8 @@ pub mod translating;
 pub struct Clearance<const D: usize> {
     /// The least distance, metres.
     pub value: f64,
-    /// Arc length from the beginning of the motion to where it is met first, metres.
+    /// Arc length from the start of the motion to the first place at that distance, metres.
     pub at: f64,
-    /// The wall point that is that close.
+    /// The wall point at that distance, metres.
     pub wall: Vector<D>,
 }

@@ -1,7 +1,7 @@
-//! Disassembly paths by table 1, corrected, in two and three dimensions
-//! (section 3).
+//! Disassembly by Table 1, corrected, in two and three dimensions (section 3).
 //!
-//! Positions are displacements of the body from its assembled state, metres.
+//! Positions are displacements of the body from its assembled state, metres. The table is in
+//! `table.rs`; [`disassemble`] applies it junction by junction.
 
 use crate::budget::{Budget, Spent};
 use crate::free_space::{Chain, Corner};
@@ -12,7 +12,7 @@ use thiserror::Error;
 
 mod table;
 
-/// The gap that the body keeps to the sides of a junction (condition 3.1).
+/// The gap that the body keeps from the sides of a junction (condition 3.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gap<'a, const D: usize> {
     /// One number for every junction and axis, metres.
@@ -21,16 +21,16 @@ pub enum Gap<'a, const D: usize> {
     PerAxis(Vector<D>),
     /// One number per junction, in travel order, and axis, metres.
     PerJunction(&'a [Vector<D>]),
-    /// This part, in (0, 1], of the limit of (3.1) at every junction and axis; 1 is [`Gap::Safest`].
+    /// This part, in (0, 1], of the limit in (3.1) at every junction and axis; 1 is [`Gap::Safest`].
     Fraction(f64),
-    /// The limit of (3.1) itself: the body in the middle of every junction.
+    /// The limit in (3.1) itself: the body in the middle of every junction.
     Safest,
 }
 
-/// Why there is no disassembly path. Junctions count from 0 in travel order.
+/// Why there is no disassembly path. Junctions are counted from 0 in travel order.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum DisassemblyError {
-    /// The chain holds no channel.
+    /// The chain has no channels.
     #[error("there are 0 channels, at least 1 is needed")]
     NoChannels,
     /// The assembled body does not lie in the first channel.
@@ -38,14 +38,14 @@ pub enum DisassemblyError {
         "the body reaches {body} along coordinate {axis}, outside the first channel, which ends at {channel}"
     )]
     BodyOutside {
-        /// The coordinate concerned.
+        /// The coordinate along which it reaches out.
         axis: usize,
-        /// Coordinate of the body's side that is outside, metres.
+        /// Coordinate of the side that is outside, metres.
         body: f64,
-        /// Coordinate of the channel's side that it passes, metres.
+        /// Coordinate of the channel's side there, metres.
         channel: f64,
     },
-    /// Condition (2.5) fails; equality counts.
+    /// Condition (2.5) fails; equality is too small.
     #[error(
         "junction {junction} is {has} m wide along coordinate {axis}, the body needs more than {needs} m"
     )]
@@ -61,7 +61,7 @@ pub enum DisassemblyError {
     },
     /// Condition (3.1) fails: `least < gap < most` is required.
     #[error(
-        "the gap {gap} m at junction {junction} along coordinate {axis} is not between {least} m and {most} m"
+        "the gap at junction {junction} along coordinate {axis} is {gap} m, it must be between {least} m and {most} m"
     )]
     GapOutOfRange {
         /// The junction.
@@ -75,7 +75,7 @@ pub enum DisassemblyError {
         /// It must be less than this, metres.
         most: f64,
     },
-    /// Not one gap per junction.
+    /// The number of gaps differs from that of junctions.
     #[error("there are {has} gaps for {needs} junctions")]
     WrongNumberOfGaps {
         /// How many gaps were given.
@@ -84,7 +84,9 @@ pub enum DisassemblyError {
         needs: usize,
     },
     /// [`Gap::Fraction`] outside (0, 1].
-    #[error("the part {fraction} of the greatest gap is not in ({least}, {most}]")]
+    #[error(
+        "the fraction {fraction} of the greatest gap must be greater than {least} and at most {most}"
+    )]
     FractionOutOfRange {
         /// The part asked for.
         fraction: f64,
@@ -98,8 +100,8 @@ pub enum DisassemblyError {
     Spent(#[from] Spent),
 }
 
-/// A path of translations, with the gaps it keeps. Reusable memory for
-/// [`disassemble`]; what it holds after an error is of no meaning.
+/// A path of translations and the gaps it keeps. Reusable memory for [`disassemble`];
+/// unspecified after an error.
 #[derive(Debug, Clone, Default)]
 pub struct Path<const D: usize> {
     limits: Vec<Vector<D>>,
@@ -109,13 +111,13 @@ pub struct Path<const D: usize> {
 }
 
 impl<const D: usize> Path<D> {
-    /// The limit of (3.1) per junction and axis, metres.
+    /// The limit in (3.1) per junction and axis, metres.
     pub fn limits(&self) -> &[Vector<D>] {
         &self.limits
     }
 
-    /// The gap used per junction and axis, metres; in the order of disassembly
-    /// also after [`Path::reverse`].
+    /// The gap per junction and axis, metres; in the order of disassembly even after
+    /// [`Path::reverse`].
     pub fn gaps(&self) -> &[Vector<D>] {
         &self.gaps
     }
@@ -140,10 +142,38 @@ impl<const D: usize> Path<D> {
     }
 }
 
-/// Finds the path of `body` (its bounding box in the assembled state) through
-/// `chain`, built from the body's centre to an exit: into every junction by the
-/// rule of table 1 that applies, then out along the exit until the body's least
-/// coordinate along it is at the mouth (definition 3.2).
+/// Finds the path of `body` (its bounding box in the assembled state) through `chain`, built
+/// from the body's centre to an exit: into every junction by its rule of Table 1, then out
+/// along the exit until the last side of the body is at the mouth (definition 3.2).
+///
+/// ```
+/// use planning::budget::Budget;
+/// use planning::disassembly::{Gap, Path, disassemble};
+/// use planning::free_space::{Chain, End};
+/// use planning::geometry::{AxisBox, Direction, Sign, Vector};
+///
+/// // Section 4's male part and channels, in (x, z), with a gap of 0.2 m.
+/// let space = |min: [f64; 2], max: [f64; 2]| AxisBox::new(min.into(), max.into());
+/// let male = space([4.5, 1.01], [6.99, 4.0])?;
+/// let channels = [
+///     space([4.0, 1.0], [7.0, 6.0])?,
+///     space([1.0, 2.0], [7.0, 6.0])?,
+///     space([1.0, 2.0], [5.0, 7.0])?,
+/// ];
+/// let (up, budget) = (Direction { axis: 1, sign: Sign::Positive }, Budget::default());
+/// let (mut chain, mut path) = (Chain::default(), Path::default());
+/// chain.build(&channels, &male.center(), End::Exit(up), &budget)?;
+/// disassemble(&chain, &male, Gap::Uniform(0.2), &mut path, &budget)?;
+///
+/// // Rule 1 (up, then left), rule 3 (left, then up), and out.
+/// let rules: Vec<_> = path.legs().iter().map(|leg| leg.rule.map(|rule| rule.number)).collect();
+/// assert_eq!(rules, [Some(1), Some(3), None]);
+/// // m1 runs from (4.5, 1.01) by (4.2, 2.2) and (2.31, 2.81) to (2.31, 7).
+/// let m1 = Vector::from([4.5, 1.01]) + path.legs()[1].curve.end();
+/// assert!((m1 - Vector::from([2.31, 2.81])).norm() < 1e-14);
+/// assert!((path.length() - 7.40323366632768).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn disassemble<const D: usize>(
     chain: &Chain<D>,
     body: &AxisBox<D>,
@@ -175,9 +205,9 @@ pub fn disassemble<const D: usize>(
     Ok(())
 }
 
-/// Where the rule for a corner puts a body that comes from the displacement `from`,
-/// given its least and greatest corner in the assembled state, and the rule.
-/// `gap` is `None` at the limit of (3.1).
+/// Where the rule for a corner puts a body that comes from the displacement `from`, and the
+/// rule. The body is given by its least and greatest corner in the assembled state; `gap`
+/// is `None` for the limit in (3.1).
 pub(crate) fn target<const D: usize>(
     corner: &Corner<D>,
     (body_min, body_max): (&Vector<D>, &Vector<D>),
@@ -187,14 +217,14 @@ pub(crate) fn target<const D: usize>(
     let turn = turn_in::<D>(corner.approach, corner.leaving);
     let junction = &corner.junction;
     let Some(gap) = gap else {
-        // At the limit of (3.1) both margins mean the middle, said without
-        // rounding, so that legs along an axis stay exactly so.
+        // At the limit in (3.1) both margins mean the middle. Computed directly, it does not
+        // suffer from rounding, and legs along an axis stay exactly so.
         return (junction.center() - (body_min + body_max) / 2.0, turn.rule);
     };
     let mut to = *from;
     for axis in 0..D {
-        // (3.3), from the assembled state: where the body's least side is
-        // at the least margin, and its greatest side at the greatest one.
+        // (3.3), from the assembled state: the body's least side at the least margin, or its
+        // greatest side at the greatest margin.
         let least = junction.min()[axis] + gap[axis] - body_min[axis];
         let greatest = junction.max()[axis] - gap[axis] - body_max[axis];
         to[axis] = if axis == turn.horizontal.0 {
@@ -202,7 +232,7 @@ pub(crate) fn target<const D: usize>(
         } else if axis == turn.vertical.0 {
             turn.vertical.1.choose(least, greatest)
         } else {
-            // Idle in three dimensions: any value between is as safe; hold.
+            // The idle axis in three dimensions: any value between is as safe, so hold.
             from[axis].min(greatest).max(least)
         };
     }
@@ -210,7 +240,7 @@ pub(crate) fn target<const D: usize>(
 }
 
 impl Margin {
-    /// The displacement that this margin asks for.
+    /// The displacement for this margin.
     fn choose(self, least: f64, greatest: f64) -> f64 {
         match self {
             Self::Least => least,
@@ -219,7 +249,7 @@ impl Margin {
     }
 }
 
-/// Definition 3.2, closed: the body's last side exactly at the mouth.
+/// Definition 3.2 with equality: the last side of the body exactly at the mouth.
 pub(crate) fn out_of_the_mouth<const D: usize>(
     (body_min, body_max): (&Vector<D>, &Vector<D>),
     mouth: &HalfSpace,
@@ -252,8 +282,8 @@ fn check_inside<const D: usize>(
     Ok(())
 }
 
-/// Condition (2.5), and the limit of (3.1): half of what a junction is larger
-/// than the body.
+/// Checks condition (2.5) and computes the limit in (3.1): half of the junction's extent
+/// beyond the body's.
 fn find_limits<const D: usize>(
     chain: &Chain<D>,
     body: &AxisBox<D>,

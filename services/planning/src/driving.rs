@@ -1,11 +1,47 @@
-//! The rectangular mobile robot through corridors: section 5 of the paper.
+//! Driving a rectangular mobile robot through corridors (section 5).
 //!
-//! The robot's centre follows straight lines and arcs of guiding circles about
-//! the corners inside the turns (equation 5.1), its heading tangent to them.
-//! Lines are the common tangents of the circles; Table 2 names what happens at
-//! every corner ([`rules`]). What the paper leaves to trial and error is
-//! computed: the clearance that remains ([`drive`]) and the gap that makes it
-//! greatest ([`safest`]).
+//! The robot's centre follows straight lines and arcs of guiding circles about the corners
+//! inside the turns (equation 5.1), with its heading tangent to them. The lines are common
+//! tangents of the circles; Table 2 ([`rules`]) names the turn at every corner. What the paper
+//! leaves to trial and error is computed: the clearance that remains ([`drive`]) and the gap
+//! with the greatest clearance ([`safest`]).
+//!
+//! ```
+//! use std::f64::consts::FRAC_PI_2;
+//! use planning::budget::Budget;
+//! use planning::clearance::rectangle::Footprint;
+//! use planning::driving::{Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, drive};
+//! use planning::free_space::walls::{Complement, Walls};
+//! use planning::free_space::{Chain, End};
+//! use planning::geometry::AxisBox;
+//!
+//! // Up a corridor 3 m wide and to the right along another: rule 1 of Table 2.
+//! let budget = Budget::default();
+//! let first = AxisBox::new([0.0, 0.0].into(), [3.0, 10.0].into())?;
+//! let last = AxisBox::new([0.0, 7.0].into(), [12.0, 10.0].into())?;
+//! let start = Pose { position: [2.0, 2.0].into(), heading: FRAC_PI_2 };
+//! let goal = Goal { position: [10.0, 8.0].into(), heading: None };
+//! let (mut chain, mut corners, mut walls) = (Chain::default(), Vec::new(), Walls::default());
+//! chain.build(&[first, last], &start.position, End::Goal(goal.position), &budget)?;
+//! corners_of(&chain, &mut corners);
+//! walls.set_complement(chain.channels(), None, &mut Complement::default(), &budget)?;
+//!
+//! let footprint = Footprint::new(1.0, 1.5)?;
+//! let (start_turn, corners, walls) = (StartTurn::InPlace, &corners[..], &walls);
+//! let task = Drive { footprint, start, goal, start_turn, first, last, corners, walls };
+//! let mut path = Path::default();
+//! drive(&task, Gaps::Uniform(0.5), &mut path, &budget)?;
+//!
+//! // 5 m up, a quarter of the guiding circle of radius 1 m about (3, 7), and 7 m to the right.
+//! let lengths: Vec<_> = path.legs().iter().map(|leg| leg.curve.length()).collect();
+//! for (length, expected) in lengths.iter().zip([5.0, FRAC_PI_2, 7.0]) {
+//!     assert!((length - expected).abs() < 1e-12);
+//! }
+//! assert_eq!(path.legs()[1].rule.map(|rule| (rule.table, rule.number)), Some((2, 1)));
+//! // The corner stays 0.5 m from the robot's side.
+//! assert!((path.clearance().expect("there are walls").value - 0.5).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::f64::consts::{PI, TAU};
 
@@ -32,8 +68,7 @@ pub use safest::safest;
 use rules::TurnRule;
 use taut::Knot;
 
-/// Where the robot is: its centre, metres, and its heading, radians
-/// counter-clockwise from +x (any finite value).
+/// Where the robot is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Centre of the footprint, metres.
@@ -51,23 +86,23 @@ pub struct Goal {
     pub heading: Option<f64>,
 }
 
-/// How the robot gets from its first heading into that of the first line.
+/// How the robot turns from its first heading to that of the first line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum StartTurn {
     /// By a turn in place.
     #[default]
     InPlace,
-    /// Evenly on its way along the first line, as the paper has it.
+    /// Evenly along the first line, as in the paper.
     WhileMoving,
 }
 
-/// The gap between the robot's side and the corners it turns about (gap_r in
-/// equation 5.1), metres.
+/// The gap between the robot's side and the corners that it turns about (gap_r in equation
+/// 5.1), metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gaps<'a> {
-    /// One for all corners.
+    /// One gap for all corners.
     Uniform(f64),
-    /// One for each, in travel order.
+    /// One gap per corner, in travel order.
     PerCorner(&'a [f64]),
 }
 
@@ -81,10 +116,10 @@ impl Gaps<'_> {
     }
 }
 
-/// What a junction is to a robot that turns in it.
+/// The corner of a junction that a robot turns about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner {
-    /// p_n: the corner of the corridor inside the turn.
+    /// p_n, the corner of the corridor inside the turn, metres.
     pub point: Vector<2>,
     /// The rule of Table 2 for this turn.
     pub rule: &'static TurnRule,
@@ -95,9 +130,8 @@ pub struct Corner {
 }
 
 impl Corner {
-    /// The corner of a junction of two channels, entered along `approach` and left
-    /// along `leave`; `None` unless the channels overlap and these are along
-    /// different axes.
+    /// The corner of the junction of two channels, entered along `approach` and left along
+    /// `leave`; `None` unless the channels overlap and the directions have different axes.
     pub fn new(
         incoming: &AxisBox<2>,
         outgoing: &AxisBox<2>,
@@ -136,7 +170,7 @@ pub fn corners_of(chain: &Chain<2>, corners: &mut Vec<Corner>) {
     }));
 }
 
-/// What is asked: a robot, where it starts and ends, and what is between.
+/// A task: a robot, its start and goal, and what lies between.
 #[derive(Debug, Clone, Copy)]
 pub struct Drive<'a> {
     /// The robot.
@@ -147,18 +181,17 @@ pub struct Drive<'a> {
     pub goal: Goal,
     /// How it turns into the first line.
     pub start_turn: StartTurn,
-    /// The first channel; the start must lie in it.
+    /// The first channel, which must hold the start.
     pub first: AxisBox<2>,
-    /// The last channel; the goal must lie in it.
+    /// The last channel, which must hold the goal.
     pub last: AxisBox<2>,
-    /// The junctions between, in travel order.
+    /// The corners between, in travel order.
     pub corners: &'a [Corner],
     /// What the robot must not touch.
     pub walls: &'a Walls<2>,
 }
 
-/// A way for the robot, and the buffers that are needed to find one; refilled by
-/// every call.
+/// A path for the robot. Reusable memory, refilled by every call.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
     legs: Vec<Leg<2>>,
@@ -176,8 +209,7 @@ impl Path {
         &self.legs
     }
 
-    /// The clearance over every leg, metres; infinite without walls. Empty after
-    /// [`route`].
+    /// The clearance over every leg, metres; infinite without walls, empty after [`route`].
     pub fn leg_clearances(&self) -> &[f64] {
         &self.leg_clearances
     }
@@ -187,15 +219,14 @@ impl Path {
         self.length
     }
 
-    /// The clearance over the whole motion; `None` without walls and after
-    /// [`route`].
+    /// The clearance over the whole motion; `None` without walls and after [`route`].
     pub fn clearance(&self) -> Option<Clearance<2>> {
         self.clearance
     }
 
-    /// The clearance from the first arriving point to the last leaving point,
-    /// which the gap decides; over the whole motion if there is no arc. `at` counts
-    /// from the beginning of the motion. `None` as for [`Path::clearance`].
+    /// The clearance from the first arriving point to the last leaving point, which depends
+    /// on the gap; over the whole motion if there is no arc. `at` counts from the start of
+    /// the motion. `None` as for [`Path::clearance`].
     pub fn turning(&self) -> Option<Clearance<2>> {
         self.turning
     }
@@ -204,8 +235,8 @@ impl Path {
 /// A clearance up to this counts as contact, metres.
 const CONTACT: f64 = 1e-12;
 
-/// Finds the way with these gaps, measures its clearance, and refuses it if the
-/// robot would touch a wall.
+/// Finds the path with these gaps and measures its clearance; an error if the robot would
+/// touch a wall.
 pub fn drive(
     drive: &Drive<'_>,
     gaps: Gaps<'_>,
@@ -244,7 +275,7 @@ pub fn drive(
     Ok(())
 }
 
-/// Finds the way with these gaps without regard to walls: legs and length only.
+/// Finds the legs and the length of the path with these gaps, regardless of walls.
 ///
 /// A robot that is at its goal already turns in place by nothing: one leg.
 pub fn route(
@@ -266,14 +297,13 @@ pub fn route(
     Ok(())
 }
 
-/// The signed angle from one heading to another the shorter way round; half a
-/// turn goes left.
+/// The signed angle from one heading to another by the shorter turn; half a turn goes left.
 fn shortest_turn(from: f64, to: f64) -> f64 {
     let turn = wrapped(to - from);
     if turn <= -PI + SAME_HEADING { turn + TAU } else { turn }
 }
 
-/// Headings that differ by no more than this are the same, radians.
+/// Headings that differ by no more than this count as equal, radians.
 const SAME_HEADING: f64 = 1e-12;
 
 #[cfg(test)]

@@ -1,5 +1,8 @@
-//! Free space as the paper models it (section 2): channels, and the junctions
-//! where each meets the next.
+//! Free space as the paper models it (section 2): channels, and the junctions where one
+//! meets the next.
+//!
+//! [`walls`] is what a body must not touch, [`solids`] finds the channels that solids leave
+//! free, and [`graph`] knows which channels meet.
 
 use crate::budget::{Budget, Spent};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
@@ -14,7 +17,7 @@ pub mod walls;
 pub enum End<const D: usize> {
     /// Out of the part, in this direction, which gives the last channel its axis.
     Exit(Direction),
-    /// At this point inside it, metres.
+    /// At this point inside the last channel, metres.
     Goal(Vector<D>),
 }
 
@@ -29,13 +32,13 @@ pub struct Corner<const D: usize> {
     pub leaving: Direction,
 }
 
-/// Why channels do not make a chain. Channels count from 0 in travel order.
+/// Why channels make no chain. Channels are counted from 0 in travel order.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ChainError {
-    /// There is no channel.
+    /// There are no channels.
     #[error("there are 0 channels, at least 1 is needed")]
     Empty,
-    /// Two consecutive channels have no common interior.
+    /// Two consecutive channels have no interior in common.
     #[error(
         "channels {first} and {second} do not overlap along coordinate {axis}: one ends at {end}, \
          the other begins at {begin}"
@@ -45,15 +48,14 @@ pub enum ChainError {
         first: usize,
         /// Index of the later channel.
         second: usize,
-        /// The coordinate along which they are apart or only touch.
+        /// The coordinate along which they are apart or just touch.
         axis: usize,
-        /// Greatest coordinate of the channel on the lesser side, metres.
+        /// Greatest coordinate of the lower channel, metres.
         end: f64,
-        /// Least coordinate of the channel on the greater side, metres.
+        /// Least coordinate of the upper channel, metres.
         begin: f64,
     },
-    /// Two consecutive channels run along the same axis, so that they do not
-    /// make an "L", a "T" or a "+".
+    /// Two consecutive channels run along the same axis: they form no "L", "T" or "+".
     #[error("channels {first} and {second} both run along coordinate {axis}")]
     Parallel {
         /// Index of the earlier channel.
@@ -68,31 +70,50 @@ pub enum ChainError {
     Spent(#[from] Spent),
 }
 
-/// Channels in travel order (equation 2.3) with their axes and junctions.
+/// Channels in travel order (equation 2.3) with their axes and junctions. Reusable memory;
+/// empty until built, and after an error.
 ///
-/// Built again and again in the same memory; empty until built, and after an error.
+/// ```
+/// use planning::budget::Budget;
+/// use planning::free_space::{Chain, End};
+/// use planning::geometry::{AxisBox, Direction, Sign};
+///
+/// // Section 4: C_3, C_2, C_1 in (x, z); the exit is up.
+/// let channel = |min: [f64; 2], max: [f64; 2]| AxisBox::new(min.into(), max.into());
+/// let channels = [
+///     channel([4.0, 1.0], [7.0, 6.0])?,
+///     channel([1.0, 2.0], [7.0, 6.0])?,
+///     channel([1.0, 2.0], [5.0, 7.0])?,
+/// ];
+/// let up = Direction { axis: 1, sign: Sign::Positive };
+/// let mut chain = Chain::default();
+/// chain.build(&channels, &[5.745, 2.505].into(), End::Exit(up), &Budget::default())?;
+/// // Up, to the left, and up.
+/// assert_eq!(chain.axes(), [1, 0, 1]);
+/// assert_eq!(chain.corners()[0].leaving, Direction { axis: 0, sign: Sign::Negative });
+/// assert_eq!(chain.mouth().expect("there is an exit").bound, 7.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Chain<const D: usize> {
     channels: Vec<AxisBox<D>>,
     axes: Vec<usize>,
-    /// For every channel the axes it can have, as bits.
+    /// The possible axes of every channel, as bits.
     possible: Vec<u8>,
     corners: Vec<Corner<D>>,
     exit: Option<Direction>,
 }
 
 impl<const D: usize> Chain<D> {
-    /// Makes the junctions of `channels` (equation 2.4) and finds in which
-    /// direction each is reached and left.
+    /// Makes the junctions of `channels` (equation 2.4) and finds the directions in which
+    /// each is entered and left.
     ///
-    /// The axis of a channel is the coordinate in which a junction is a proper
-    /// part of it. Where several qualify, it is the one with the greatest
-    /// distance between the centres of the junctions before and after
-    /// (at the ends: from `start`, the middle of the body, and to a goal), then
-    /// the lowest; where none does (a channel inside its neighbour), all
-    /// qualify. An exit gives the last channel its axis. Consecutive channels
-    /// never get the same axis; of the candidates only those are considered
-    /// that leave all channels before one of their own.
+    /// The axis of a channel is the coordinate in which a junction is a proper part of it. If
+    /// several qualify, it is the one along which the centres of the junctions before and
+    /// after are farthest apart (at the ends: `start`, the centre of the body, and a goal),
+    /// then the lowest; if none does (a channel inside its neighbour), all qualify. An exit
+    /// gives the last channel its axis. Consecutive channels never have the same axis; only
+    /// candidates that leave an axis to every channel before are considered.
     pub fn build(
         &mut self,
         channels: &[AxisBox<D>],
@@ -114,7 +135,7 @@ impl<const D: usize> Chain<D> {
         &self.channels
     }
 
-    /// For every channel the coordinate along which it runs.
+    /// The axis of every channel, in travel order.
     pub fn axes(&self) -> &[usize] {
         &self.axes
     }
@@ -129,9 +150,8 @@ impl<const D: usize> Chain<D> {
         self.exit
     }
 
-    /// The half-space that ends where the last channel ends along the exit:
-    /// what lies outside it is free (definition 3.2, read as the mouth of the
-    /// last channel).
+    /// The half-space up to where the last channel ends along the exit. Outside it everything
+    /// is free (definition 3.2, read as the mouth of the last channel).
     pub fn mouth(&self) -> Option<HalfSpace> {
         Some(mouth_of(self.channels.last()?, self.exit?))
     }
@@ -185,8 +205,8 @@ impl<const D: usize> Chain<D> {
         Ok(())
     }
 
-    /// Forwards: which axes each channel can have so that all before it have
-    /// one of their own. Backwards: the best of these for each.
+    /// Forwards: the axes that each channel can have so that one is left to all before it.
+    /// Backwards: the best of these for each.
     fn find_axes(&mut self, start: &Vector<D>, end: End<D>) -> Result<(), ChainError> {
         let last = self.channels.len() - 1;
         let mut before: u8 = 0;
@@ -195,7 +215,7 @@ impl<const D: usize> Chain<D> {
                 End::Exit(exit) if index == last => 1 << exit.axis,
                 _ => self.candidates(index),
             };
-            // With two axes left before, any axis here leaves one of them there.
+            // If the channel before has two axes left, any axis here leaves it one.
             let possible = if before.count_ones() <= 1 { candidates & !before } else { candidates };
             if possible == 0 {
                 let axis = before.trailing_zeros() as usize;
@@ -205,7 +225,7 @@ impl<const D: usize> Chain<D> {
             before = possible;
         }
         let mut to = match end {
-            // Unused: the exit alone decides.
+            // Not used: the exit alone decides.
             End::Exit(_) => self.channels[last].center(),
             End::Goal(goal) => goal,
         };
@@ -224,8 +244,8 @@ impl<const D: usize> Chain<D> {
         Ok(())
     }
 
-    /// The coordinates in which a junction is a proper part of the channel, as
-    /// bits; all of them where there is none.
+    /// The coordinates in which a junction is a proper part of the channel, as bits; all of
+    /// them if there are none.
     fn candidates(&self, index: usize) -> u8 {
         let channel = &self.channels[index];
         let before = index.checked_sub(1).and_then(|before| self.corners.get(before));
@@ -248,8 +268,8 @@ pub(crate) const fn all_axes<const D: usize>() -> u8 {
     (1 << D) - 1
 }
 
-/// Of the axes in `possible` the one along which `from` and `to` are farthest
-/// apart, the lowest if several are.
+/// The axis in `possible` along which `from` and `to` are farthest apart, the lowest of
+/// equals.
 pub(crate) fn longest<const D: usize>(
     possible: u8,
     from: &Vector<D>,
@@ -265,7 +285,7 @@ pub(crate) fn longest<const D: usize>(
     best.map(|(axis, _)| axis)
 }
 
-/// The half-space that ends where a channel ends along `exit`.
+/// The half-space up to where a channel ends along `exit`.
 pub(crate) fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace {
     let bound = match exit.sign {
         Sign::Positive => channel.max()[exit.axis],
@@ -274,7 +294,7 @@ pub(crate) fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) ->
     HalfSpace { side: Direction { axis: exit.axis, sign: exit.sign.opposite() }, bound }
 }
 
-/// The direction along `axis` that leads from one point to the other.
+/// The direction along `axis` from one point to the other.
 pub(crate) fn towards<const D: usize>(from: &Vector<D>, to: &Vector<D>, axis: usize) -> Direction {
     Direction { axis, sign: Sign::of(to[axis] - from[axis]) }
 }
@@ -282,7 +302,7 @@ pub(crate) fn towards<const D: usize>(from: &Vector<D>, to: &Vector<D>, axis: us
 fn apart<const D: usize>(index: usize, a: &AxisBox<D>, b: &AxisBox<D>) -> ChainError {
     let gap =
         |axis: &usize| a.min()[*axis].max(b.min()[*axis]) - a.max()[*axis].min(b.max()[*axis]);
-    // The coordinate along which they are farthest apart says most.
+    // Report the coordinate along which they are farthest apart.
     let axis = (0..D).max_by(|i, j| gap(i).total_cmp(&gap(j)).then(j.cmp(i))).unwrap_or(0);
     ChainError::Apart {
         first: index,

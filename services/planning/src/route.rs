@@ -1,4 +1,7 @@
-//! The way through channels that are in any order.
+//! Routes: the order in which to travel channels that are given in any order.
+//!
+//! [`Router`] searches for all movers ([`Translating`] by Table 1, [`Driving`] on guiding
+//! circles); [`blocked`] explains why there is no route between solids.
 
 use crate::budget::{Budget, Cap, Held, Spent};
 use crate::free_space::End;
@@ -37,70 +40,94 @@ use widest::is_of_the_search;
 
 const SIGNS: [Sign; 2] = [Sign::Negative, Sign::Positive];
 
-/// How many routes may be blocked before the search is given up.
+/// The search ends after this many blocked routes.
 const MOST_BLOCKED: usize = 16;
 
-/// The second search of a robot's route may take so many times the steps of the first, and so
-/// many more.
+/// The second search for a robot's route may take this many times the steps of the first, plus
+/// [`LEAST_EFFORT`].
 const EFFORT: usize = 4;
 const LEAST_EFFORT: usize = 3 << 18;
 
-/// As many ways are compared in the time that a pair of junctions takes.
+/// Ways compared in the time that one pair of junctions takes.
 const LOOKS_OF_A_STEP: usize = 32;
 
-/// For every slot its first label, and which directions lead on.
+/// For every slot its first label, and the directions that lead on.
 const BYTES_PER_SLOT: usize = size_of::<u32>() + size_of::<u8>();
 
-/// So many slots are cleared in the time that a pair of junctions takes.
+/// Slots cleared in the time that one pair of junctions takes.
 const SLOTS_PER_STEP: u64 = 16;
 
-/// No set of directions.
+/// Directions not known yet.
 const UNKNOWN: u8 = u8::MAX;
 
-/// Lengths that differ by no more are the same, metres.
+/// Lengths that differ by no more than this count as equal, metres.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// Looks for routes, in memory that is used again.
+/// Searches for routes. Reusable memory.
 ///
-/// # What is shortest
+/// # The shortest route
 ///
-/// The route is the one whose [`Chain`](crate::free_space::Chain) has the shortest path by the
-/// rules, of all sequences of channels that do not go straight back through the
-/// junction they came by: for a body ([`Translating`]) by the length that
-/// [`crate::disassembly::disassemble`] gives, the way out included, for a robot
-/// ([`Driving`]) by that of [`crate::driving::route`]. A channel may be travelled twice
-/// where that is shorter than any way without. Of several routes of the very same
-/// length one is always the same: it has the fewest channels, and then the lowest
-/// index where the search met them.
+/// Of all sequences of channels that never turn back through the junction they came by, the
+/// route is the one whose [`Chain`](crate::free_space::Chain) has the shortest path by the
+/// rules: by [`crate::disassembly::disassemble`], the way out included, for a body
+/// ([`Translating`]), and by [`crate::driving::route`] for a robot ([`Driving`]). A channel may
+/// be travelled twice if that is shorter. Ties are always decided alike: for the fewest
+/// channels, then for the lowest index where the search met them.
 ///
-/// # How
+/// # The search
 ///
-/// Where the rule puts a body in a junction, and which corner a robot turns about there,
-/// depends on the directions in which it comes and goes, which the chain takes from the
-/// centres of the junctions before and after. So the search (A*, by what is missing to
-/// the mouth or the goal in a straight line) goes over junctions with both directions,
-/// and one bit that says whether the channel before had a choice of axes; this makes the
-/// chain's choice the search's own. What else a path's length depends on, and when one
-/// way into a junction makes another useless, is the [`Motion`]'s.
+/// Where a rule puts a body in a junction, and which corner a robot turns about, depends on the
+/// directions in which it comes and goes, which a chain takes from the centres of the junctions
+/// before and after. So the search (A*, by the straight line to the mouth or the goal) runs over
+/// junctions with both directions and one bit: whether the channel before had a choice of axes.
+/// Thus it chooses axes as a chain does. What else the length of a path depends on, and when one
+/// way into a junction makes another useless, is up to the [`Motion`].
 ///
-/// A robot's route is sought twice. The first search goes by straight lines from junction to
-/// junction ([`Motion::outline`]) and is quick; the second takes what the first found as a
-/// bound and looks for the shortest, as far as it comes in some 800,000 steps and four times
-/// those of the first. In corridors it comes to the end. In the open, where a line leads through
-/// many junctions in many orders, it may not: then the route stands that was found first (over
-/// fields of pillars 0.2 % longer than need be). Only routes count whose path leads through
-/// their junctions and passes each corner at the gap, however far: others may cut a corner.
+/// A robot's route is searched for twice. The first search takes straight lines from junction to
+/// junction ([`Motion::outline`]) and is quick. The second takes the result as a bound and looks
+/// for the shortest route, within some 800,000 steps and four times those of the first. In
+/// corridors it completes. In the open, where a line passes many junctions in many orders, it may
+/// not; then the first result stands (over fields of pillars 0.2 % longer than the shortest).
+/// Only routes count whose path leads through their junctions and passes each corner at the gap
+/// or farther; others might cut a corner.
 ///
-/// Time goes with the pairs of junctions passed one after the other: n log n for n
-/// channels that meet a few others each; a channel with k junctions may cost k^2.
-/// Memory is `8 D + 56` bytes (for a robot 104) for every way found to a state (some ten
-/// per junction), and 10 bytes per junction.
+/// Time grows with the pairs of consecutive junctions: n log n for n channels that each meet a
+/// few others; a channel with k junctions may cost k^2. Memory is `8 D + 56` bytes (104 for a
+/// robot) for every way found into a state (some ten per junction), and 10 per junction.
+///
+/// ```
+/// use planning::budget::Budget;
+/// use planning::disassembly::Gap;
+/// use planning::free_space::End;
+/// use planning::free_space::graph::Graph;
+/// use planning::geometry::{AxisBox, Direction, Sign};
+/// use planning::route::{Router, Translating};
+///
+/// // Section 4's channels C_1, C_2, C_3, given in any order.
+/// let space = |min: [f64; 2], max: [f64; 2]| AxisBox::new(min.into(), max.into());
+/// let channels = [
+///     space([1.0, 2.0], [5.0, 7.0])?,
+///     space([1.0, 2.0], [7.0, 6.0])?,
+///     space([4.0, 1.0], [7.0, 6.0])?,
+/// ];
+/// let (mut graph, budget) = (Graph::default(), Budget::default());
+/// graph.build(&channels, &budget)?;
+///
+/// let male = space([4.5, 1.01], [6.99, 4.0])?;
+/// let exit = End::Exit(Direction { axis: 1, sign: Sign::Positive });
+/// let mut body = Translating::new(&male, Gap::Uniform(0.2), exit)?;
+/// let mut router = Router::default();
+/// router.find(&graph, &mut body, &budget)?;
+/// assert_eq!(router.route(), [2, 1, 0]);
+/// assert!((router.length() - 7.40323366632768).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Router<const D: usize, M: Motion<D>> {
     labels: Vec<Label<M::State>>,
-    /// For every slot the first label.
+    /// The first label of every slot.
     heads: Vec<u32>,
-    /// For every slot the directions that lead on from the junction, as bits, once known.
+    /// The directions that lead on from the junction of every slot, as bits, once known.
     onwards: Vec<u8>,
     ends: Vec<Ending>,
     open: BinaryHeap<Entry>,
@@ -108,9 +135,9 @@ pub struct Router<const D: usize, M: Motion<D>> {
     seen: Vec<bool>,
     /// Pairs of junctions looked at.
     steps: usize,
-    /// Steps and looks that have been drawn from the budget.
+    /// Steps and looks drawn from the budget so far.
     drawn: usize,
-    /// Ways found before that new ones were compared with.
+    /// Comparisons of a new way with a known one.
     looks: usize,
     route: Vec<usize>,
     length: f64,
@@ -138,33 +165,33 @@ impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
     }
 }
 
-/// What a route is judged by.
+/// Judges a route by following it.
 type Judge<'a, T> = dyn FnMut(&[usize], f64) -> Result<Judgement<T>, Spent> + 'a;
 
-/// What came of one search.
+/// The outcome of one search.
 enum Found<T> {
-    /// The route is there, and this is what the judge made of it.
+    /// A route, with what the judge made of it.
     Route(T),
-    /// No way leads to the end.
+    /// No route.
     Nothing,
-    /// The shortest is blocked, and what blocks it is ruled out from here on.
+    /// The shortest route is blocked; what blocks it is ruled out from now on.
     Blocked,
-    /// Looking on is of no use, or would take too long.
+    /// Further search is useless or would take too long.
     Hopeless,
 }
 
 impl<const D: usize, M: Motion<D>> Router<D, M> {
-    /// The route found last: indices of channels in travel order. Empty after an error.
+    /// The last route found: indices of channels in travel order. Empty after an error.
     pub fn route(&self) -> &[usize] {
         &self.route
     }
 
-    /// The length of the path by the rules along the route, metres.
+    /// Length of the path by the rules along the route, metres.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// The memory that it holds, bytes.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let labels = self.labels.capacity() * size_of::<Label<M::State>>();
         let slots = self.heads.capacity() * size_of::<u32>() + self.onwards.capacity();
@@ -176,9 +203,9 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         labels + slots + open + ends + channels + indices + first
     }
 
-    /// Finds the shortest route: out of a channel that reaches farthest along an exit, or
-    /// to a goal (where the traveller's centre is to be). Each search looks at no more pairs of
-    /// junctions than [`Cap::RouteSteps`], or compares as many ways as would take that time.
+    /// Finds the shortest route: out of a channel that reaches farthest along an exit, or to
+    /// a goal for the traveller's centre. Each search is limited to [`Cap::RouteSteps`] pairs of
+    /// junctions, comparisons of ways counted by the time that they take.
     pub fn find(
         &mut self,
         graph: &Graph<D>,
@@ -190,11 +217,10 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         })
     }
 
-    /// Finds the shortest route that can be followed, as `judge` finds out: it is given a
-    /// route and its length by the search, metres. Returns what the judge made of the route that
-    /// is taken. What blocks a route is avoided from there on, until as many as 16 have
-    /// been refused. Where a robot is told of `walls`, it leaves out lines that touch them at
-    /// once.
+    /// Finds the shortest route that can be followed, according to `judge`, which is given a
+    /// route and its length by the search, metres. Returns what the judge made of the route. What
+    /// blocks a route is avoided from then on; the search ends after 16 blocked routes. A robot
+    /// that knows `walls` rejects lines that touch them during the search.
     pub fn find_judged<T>(
         &mut self,
         graph: &Graph<D>,
@@ -245,7 +271,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         self.find_shortest(&search, motion, (f64::INFINITY, usize::MAX), judge)
     }
 
-    /// Finds a route by the outline of the motion, and then looks for a shorter one.
+    /// Finds a route by the outline of the motion, then searches for a shorter one.
     fn find_from_outline<T>(
         &mut self,
         search: &Search<'_, D>,
@@ -270,7 +296,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         let found = match found {
             Ok(value) => match self.find_shortest(search, motion, (length, effort), judge) {
                 Err(RouteError::Spent(spent)) if !is_of_the_search(&spent) => Err(spent.into()),
-                // None is shorter, or it would take too long to tell.
+                // No route is shorter, or it would take too long to tell.
                 Err(_) => {
                     self.route.clone_from(&first.route);
                     self.length = length;
@@ -290,7 +316,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         found
     }
 
-    /// Finds the shortest route that is shorter than a bound, in no more than so many steps.
+    /// Finds the shortest route below a bound on length, within a number of steps.
     fn find_shortest<T>(
         &mut self,
         search: &Search<'_, D>,
@@ -314,7 +340,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         Err(RouteError::Blocked)
     }
 
-    /// Whether junctions that are large enough lead from a start to an end.
+    /// Whether large enough junctions lead from a start to an end.
     fn is_connected(&mut self, search: &Search<'_, D>) -> Result<bool, Spent> {
         let Self { starts, seen, route: open, .. } = self;
         seen.clear();
@@ -341,8 +367,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         Ok(false)
     }
 
-    /// Says why there is no route. If nothing can be said but that the path can't be made
-    /// through junctions that are large enough, the judge is asked about that route.
+    /// Finds out why there is no route. If all junctions are large enough, but no path by the
+    /// rules leads through them, the judge decides about that route.
     fn judge_any<T>(
         &mut self,
         search: &Search<'_, D>,
@@ -386,7 +412,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         for index in 0..self.starts.len() {
             self.start_in(search, motion, self.starts[index])?;
         }
-        // The shortest of those that are longer than the search had it.
+        // The shortest of the routes that turned out longer than in the search.
         let mut longer: Option<(u32, f64, T)> = None;
         while let Some(entry) = self.open.pop() {
             if entry.estimate >= bound {
@@ -407,7 +433,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                         self.length = exact;
                         return Ok(Found::Route(value));
                     }
-                    // Others may be shorter.
+                    // Other routes may be shorter.
                     Judgement::Accepted { length: exact, value } => {
                         self.ends[entry.label as usize].length = exact;
                         self.open.push(Entry { estimate: exact, ..entry });

@@ -1,10 +1,9 @@
 //! Exact clearance of the rectangular robot over lines, arcs and turns in place.
 //!
-//! Nothing is sampled. While body and wall are apart, the least distance between
-//! them is met between a corner of one and an edge or a corner of the other, and
-//! each of these pairs moves on a line or on a circle about the guiding circle's
-//! centre: finitely many candidates. Only for a robot that turns while moving
-//! the candidates have no closed form; that case is a bounded search
+//! While body and wall are apart, the least distance between them is between a corner of
+//! one and an edge or corner of the other, and each of these pairs moves on a line or on
+//! a circle about the guiding circle's centre: finitely many candidates in closed form.
+//! The exception is a robot that turns while moving, which takes a bounded search
 //! ([`TURNING_WHILE_MOVING_BOUND`]).
 
 use thiserror::Error;
@@ -20,12 +19,12 @@ mod segment;
 mod slide;
 mod swing;
 
-/// Distances that differ by less than this are one distance, metres: the place
-/// reported is the first that comes so close to the least distance.
+/// Distances that differ by less than this count as equal, metres: the first place within
+/// this of the least distance is reported.
 pub const TIE: f64 = 1e-12;
 
-/// The greatest error of the clearance over a line on which the body also
-/// turns, metres; every other clearance is exact to rounding.
+/// The greatest error of the clearance over a line on which the body also turns, metres.
+/// Every other clearance is exact to rounding.
 pub const TURNING_WHILE_MOVING_BOUND: f64 = 1e-9;
 
 /// The rectangle that a mobile robot covers; its reference point is the centre.
@@ -35,7 +34,7 @@ pub struct Footprint {
     length: f64,
 }
 
-/// Why two sides do not make a [`Footprint`].
+/// Why two sides are no [`Footprint`].
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("a footprint needs positive sides: width {width} m, length {length} m")]
 pub struct FootprintError {
@@ -46,8 +45,8 @@ pub struct FootprintError {
 }
 
 impl Footprint {
-    /// The rectangle `width` across (the paper's w) and `length` along the
-    /// heading (the paper's h), metres; both must be positive and finite.
+    /// The rectangle of extent `width` across the heading (the paper's w) and `length` along
+    /// it (the paper's h), metres; both must be positive and finite.
     pub fn new(width: f64, length: f64) -> Result<Self, FootprintError> {
         let positive = |side: f64| side > 0.0 && side.is_finite();
         if positive(width) && positive(length) {
@@ -68,13 +67,12 @@ impl Footprint {
     }
 }
 
-/// The least distance over a motion and where it is met first. No wall yet:
-/// infinite.
+/// The least distance over a motion so far, and where it is met first. Infinite without walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Met {
     /// The least distance, metres.
     pub(crate) value: f64,
-    /// Where it is met: part of the leg run through, or arc length of the motion.
+    /// Where it is met: as a part of the leg, or as arc length from the start of the motion.
     pub(crate) along: f64,
     /// The wall point.
     pub(crate) wall: Vector<2>,
@@ -90,12 +88,12 @@ impl Met {
         there: f64::INFINITY,
     };
 
-    /// Whether a distance can change the answer.
+    /// Whether a distance can change the result.
     fn wants(&self, value: f64) -> bool {
         value <= self.value + TIE
     }
 
-    /// Takes a distance that occurs into account.
+    /// Takes into account a distance that occurs.
     pub(crate) fn offer(&mut self, value: f64, along: f64, wall: Vector<2>) {
         if !self.wants(value) {
             return;
@@ -115,8 +113,8 @@ impl Met {
     }
 }
 
-/// Distance of the body at rest to the walls; `None` where there are none.
-/// Heading in radians counter-clockwise from +x.
+/// Distance of the body at rest to the walls; `None` without walls. Heading in radians
+/// counter-clockwise from +x.
 pub fn over_placement(
     footprint: &Footprint,
     position: &Vector<2>,
@@ -128,8 +126,29 @@ pub fn over_placement(
     over_curve(footprint, &curve, walls, budget)
 }
 
-/// Clearance over one curve; `None` where there are no walls. Lines are
-/// travelled along the heading; over a turn in place `at` is 0.
+/// Clearance over one curve; `None` without walls. A line is travelled along the heading;
+/// over a turn in place `at` is 0.
+///
+/// ```
+/// use planning::budget::Budget;
+/// use planning::clearance::rectangle::{Footprint, over_curve};
+/// use planning::free_space::walls::{Wall, Walls};
+/// use planning::geometry::Vector;
+/// use planning::motion::Curve;
+///
+/// // A robot 1 m wide and 2 m long drives 6 m along x. A wall stands 1.5 m to its left,
+/// // from x = 4 on: the front, 1 m ahead of the centre, reaches it first.
+/// let robot = Footprint::new(1.0, 2.0)?;
+/// let (from, to) = (Vector::from([0.0, 0.0]), Vector::from([6.0, 0.0]));
+/// let curve = Curve::Line { from, to, heading: 0.0, turned: 0.0 };
+/// let mut walls = Walls::default();
+/// walls.push(Wall { from: [4.0, 1.5].into(), to: [9.0, 1.5].into() });
+/// let clearance = over_curve(&robot, &curve, &walls, &Budget::default())?;
+/// let clearance = clearance.expect("there is a wall");
+/// assert_eq!((clearance.value, clearance.at), (1.0, 3.0));
+/// assert_eq!(clearance.wall, Vector::from([4.0, 1.5]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn over_curve(
     footprint: &Footprint,
     curve: &Curve<2>,
@@ -142,14 +161,13 @@ pub fn over_curve(
     Ok(met.clearance())
 }
 
-/// The next leg begins where this one ends, so it comes about as close.
+/// How far to look for walls at first on the next leg, metres: it begins where this one ends.
 pub(crate) fn next_guess(met: &Met, guess: f64) -> f64 {
     if met.value.is_finite() { 1.5 * met.value + 0.01 } else { guess }
 }
 
-/// The least distance over one curve, `along` as the part of it run through.
-/// `guess`: how far to look for walls at first, metres; the result does not
-/// depend on it.
+/// The least distance over one curve, with `along` as a part of it. `guess` is how far to
+/// look for walls at first, metres; the result does not depend on it.
 pub(crate) fn nearest(
     footprint: &Footprint,
     curve: &Curve<2>,
@@ -188,8 +206,8 @@ pub(crate) fn nearest(
     }
 }
 
-/// Meets all walls that are near enough to matter. Walls farther than the guess
-/// are left out at first, so an answer within the guess is the answer.
+/// Meets all walls that are near enough to matter. At first walls farther than the guess
+/// are left out, so a result within the guess is final.
 fn search(
     (walls, guess, budget): (&Walls<2>, f64, &Budget<'_>),
     (min, max): (Vector<2>, Vector<2>),

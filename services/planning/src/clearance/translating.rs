@@ -1,9 +1,8 @@
 //! Exact clearance of a body that moves without turning.
 //!
-//! No sampling. A box against an axis-parallel wall is a point that runs along a
-//! segment against their Minkowski sum. Otherwise two outlines that translate
-//! come closest where a vertex of one meets an edge of the other: a finite set
-//! of pairs of segments.
+//! A box passing an axis-parallel wall is a point passing their Minkowski sum along a
+//! segment. Otherwise two outlines come closest where a vertex of one meets an edge of the
+//! other, which leaves finitely many pairs of segments.
 
 use super::Clearance;
 use crate::budget::{Budget, Spent};
@@ -21,7 +20,7 @@ const STEPS_PER_EDGE: u64 = 2;
 #[derive(Debug, Clone, Copy)]
 pub struct Body<'a, const D: usize> {
     bounds: AxisBox<D>,
-    /// Empty: the body fills its bounds.
+    /// Empty if the body fills its bounds.
     outline: &'a [Vector<2>],
 }
 
@@ -45,7 +44,7 @@ impl<const D: usize> Body<'_, D> {
         point
     }
 
-    /// Its corners in the plane, where it fills its bounds.
+    /// The corners of its bounds in the plane.
     fn corners(&self) -> [Vector<2>; 4] {
         let (min, max) = (planar(&self.bounds.min()), planar(&self.bounds.max()));
         [min, Vector::from([max[0], min[1]]), max, Vector::from([min[0], max[1]])]
@@ -60,15 +59,35 @@ impl<'a> Body<'a, 2> {
     }
 }
 
-/// The exact clearance of `body` moving along `legs` (lines; others are passed
-/// over), displaced from where it is given. `each` receives the clearance of
-/// every leg, the result is that of the whole motion; `None` if there are no
-/// walls or no legs.
+/// The exact clearance of `body` along `legs`, whose positions are displacements from where
+/// the body is given. Only lines count. `each` is refilled with the clearance of every leg;
+/// the result is that of the whole motion, `None` without walls or legs.
 ///
-/// Contact and overlap give 0, met first at the first contact; so does a body
-/// that starts inside of a solid, or around one. Where several places are
-/// equally close, within rounding (some 1e-14 of the coordinates), the one met
-/// first is named, and of those met together that of the first wall.
+/// Contact and overlap give 0 at the first contact, and so does a body that starts inside a
+/// solid or around one. Of places that are equally close to rounding (some 1e-14 of the
+/// coordinates) the first is reported; of those at one time, the one on the first wall.
+///
+/// ```
+/// use planning::budget::Budget;
+/// use planning::clearance::translating::{Body, translating_clearance};
+/// use planning::free_space::walls::Walls;
+/// use planning::geometry::{AxisBox, Vector};
+/// use planning::motion::{Curve, Leg};
+///
+/// // A unit square moves up past a box to its right, 0.5 m away.
+/// let body = AxisBox::new([0.0, 0.0].into(), [1.0, 1.0].into())?;
+/// let mut walls = Walls::default();
+/// walls.push_box(&AxisBox::new([1.5, 3.0].into(), [4.0, 9.0].into())?);
+/// let curve = Curve::translation(Vector::from([0.0, 0.0]), Vector::from([0.0, 5.0]));
+/// let legs = [Leg { curve, junction: None, rule: None }];
+/// let (body, mut each, budget) = (Body::from_box(&body), Vec::new(), Budget::default());
+/// let clearance = translating_clearance(&body, &walls, &legs, &mut each, &budget)?;
+/// let clearance = clearance.expect("there are walls");
+/// // First when its upper side is level with the lower side of the box.
+/// assert_eq!((clearance.value, clearance.at), (0.5, 2.0));
+/// assert_eq!(clearance.wall, Vector::from([1.5, 3.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn translating_clearance<const D: usize>(
     body: &Body<'_, D>,
     walls: &Walls<D>,
@@ -83,7 +102,7 @@ pub fn translating_clearance<const D: usize>(
         let Curve::Line { from, to, .. } = &leg.curve else { continue };
         let mut nearest = leg_clearance(body, walls, (from, to), budget)?;
         if each.is_empty() && (nearest.value, nearest.at) != (0.0, 0.0) {
-            // Touching no wall at the start, it is inside of a solid with every point or none.
+            // It touches no wall at the start, so it is inside a solid wholly or not at all.
             if let Some(wall) = walls.solid_around(&(body.point() + from), budget)? {
                 let point = walls.as_slice()[wall].from;
                 nearest = Nearest { value: 0.0, at: 0.0, wall, point, ..nearest };
@@ -111,7 +130,7 @@ pub fn translating_clearance<const D: usize>(
 #[derive(Debug, Clone, Copy)]
 struct Nearest<const D: usize> {
     value: f64,
-    /// Where on the leg, from 0 to 1; over the whole motion the arc length.
+    /// Where on the leg, from 0 to 1; for the whole motion the arc length.
     at: f64,
     wall: usize,
     point: Vector<D>,
@@ -128,7 +147,7 @@ impl<const D: usize> Nearest<D> {
         self.value = self.value.min(value);
     }
 
-    /// What is farther away can be left out.
+    /// Anything farther away can be left out.
     fn reach(&self) -> f64 {
         self.value + self.rounding
     }
@@ -153,10 +172,10 @@ fn leg_clearance<const D: usize>(
     let mut spent = Ok(());
     walls.nearest(&min, &max, budget, |index, wall| {
         let (low, high) = wall.bounds();
-        // Minkowski sum of the wall and the reflected body, and a bound by boxes.
+        // The Minkowski sum of wall and reflected body, and a lower bound by boxes.
         let (low, high) = (low - body.bounds.max(), high - body.bounds.min());
         let apart = distance_squared_box_box((&low, &high), (&least, &greatest));
-        // Slightly short, since it must not lie above the distance by rounding.
+        // Slightly less, as rounding must not put it above the distance.
         if apart * (1.0 - 1e-12) <= nearest.reach() * nearest.reach() {
             if body.outline.is_empty() && (D != 2 || wall.is_axis_parallel()) {
                 let closest = distance_segment_box((from, to), (&low, &high));
@@ -171,7 +190,7 @@ fn leg_clearance<const D: usize>(
                 if spent.is_err() {
                     return -1.0;
                 }
-                // Overlap at the beginning need not bring any vertex near an edge.
+                // In an overlap at the start no vertex need be near an edge.
                 let touching =
                     (0..D).all(|axis| low[axis] <= from[axis] && from[axis] <= high[axis]);
                 if touching && let Some(point) = overlap(outline, wall, from) {
@@ -185,8 +204,8 @@ fn leg_clearance<const D: usize>(
     spent.map(|()| nearest)
 }
 
-/// The point of an axis-parallel wall nearest to the displaced box: along every
-/// axis the side that faces it, or the middle of what lies opposite.
+/// The point of an axis-parallel wall nearest to the displaced box: along every axis the end
+/// that faces it, or the middle of what both share.
 fn contact<const D: usize>(
     body: &Body<'_, D>,
     wall: &Wall<D>,
@@ -198,8 +217,8 @@ fn contact<const D: usize>(
     (near + far) / 2.0
 }
 
-/// One wall in the plane against an outline: every vertex of either runs along
-/// a segment, relative to the other.
+/// One wall in the plane against an outline: each vertex of either moves along a segment
+/// relative to the other.
 fn outline_clearance<const D: usize>(
     outline: &[Vector<2>],
     (index, wall): (usize, &Wall<D>),
@@ -217,7 +236,7 @@ fn outline_clearance<const D: usize>(
         nearest.take(closest.distance, closest.at, index, point);
         nearest.reach()
     };
-    // The first candidate is taken, the others only if they may be nearer.
+    // The first candidate counts in any case, others only if they may be nearer.
     let mut reach = f64::INFINITY;
     for (vertex, next) in polygon::edges(outline) {
         let swept = (&(vertex + least), &(vertex + greatest));
@@ -234,7 +253,7 @@ fn outline_clearance<const D: usize>(
     }
 }
 
-/// A point of the wall in the closed region of the displaced outline.
+/// A point of the wall inside or on the displaced outline.
 fn overlap<const D: usize>(
     outline: &[Vector<2>],
     wall: &Wall<D>,

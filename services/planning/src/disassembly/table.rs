@@ -1,9 +1,9 @@
-//! Table 1, corrected.
+//! Table 1, corrected (`docs/errata.md`): the side of a junction at which a rule puts the body.
 
 use crate::geometry::{Direction, Sign};
 use crate::motion::Rule;
 
-/// Which side of the junction the body keeps its gap to, along one axis.
+/// The side of the junction that the body keeps its gap to, along one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Margin {
     /// `min M = min J + gap`.
@@ -19,7 +19,7 @@ impl Margin {
     const UP: Self = Self::Greatest;
 }
 
-/// What a rule says, with the coordinates of its plane filled in.
+/// A rule, with the coordinates of its plane filled in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Turn {
     pub(super) rule: Rule,
@@ -36,13 +36,13 @@ const UP: Sign = Sign::Positive;
 
 /// The rule for passing a junction between two channels along different axes.
 ///
-/// In two dimensions the plane is (x, z). In three the rules 1-8 are those in
-/// (x, z), 9-16 the same in (y, z), 17-24 the same in (x, y).
+/// In two dimensions the plane is (x, z). In three dimensions rules 1 to 8 apply in (x, z), 9
+/// to 16 are the same in (y, z), and 17 to 24 the same in (x, y).
 pub(super) fn turn_in<const D: usize>(approach: Direction, leaving: Direction) -> Turn {
     let horizontal = approach.axis.min(leaving.axis);
     let vertical = approach.axis.max(leaving.axis);
-    // Rules 1-4 are the paper's, with the second condition of 3 and 4 on x;
-    // 5-8 are for motion in the negative z-direction, which (3.2) excludes.
+    // Rules 1 to 4 are the paper's, with the second condition of 3 and 4 on x. Rules 5 to 8
+    // are for motion in the negative z direction, which (3.2) excludes.
     let (number, left_or_right, down_or_up) = if approach.axis == vertical {
         match (approach.sign, leaving.sign) {
             (UP, LEFT) => (1, Margin::LEFT, Margin::DOWN),

@@ -1,12 +1,12 @@
-//! Why there is no way to drive, and what would have to change.
+//! Why a robot cannot be driven as asked, with the numbers that would do.
 
 use thiserror::Error;
 
 use crate::budget::Spent;
 use crate::geometry::{AxisBox, Vector};
 
-/// Why a robot can't be driven as asked. Corners and legs are counted from 0 in
-/// travel order; metres and radians.
+/// Why a robot cannot be driven as asked. Corners and legs are counted from 0 in travel
+/// order; metres and radians.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum DrivingError {
     /// The robot's centre is not in the first channel.
@@ -63,7 +63,7 @@ pub enum DrivingError {
         /// Corners.
         needs: usize,
     },
-    /// A gap that can't be kept at a corner.
+    /// A gap is not possible at a corner.
     #[error(
         "corner {corner}: a gap of {gap:.4} m is out of range, it must be more than {least:.4} m and at most {most:.4} m"
     )]
@@ -74,40 +74,39 @@ pub enum DrivingError {
         gap: f64,
         /// It must be more than this.
         least: f64,
-        /// It must be no more than this.
+        /// It must not be more than this.
         most: f64,
     },
     /// No tangent joins the guiding circles of two corners.
     #[error(
-        "corners {first} and {second} are {has:.4} m apart, their guiding circles need {needs:.4} m; a gap of {most:.4} m would do"
+        "corners {first} and {second} are {has:.4} m apart, their guiding circles need {needs:.4} m; a gap of {most:.4} m is possible"
     )]
     CornersTooClose {
         /// The corner entered first.
         first: usize,
         /// The next one.
         second: usize,
-        /// Distance of the two.
+        /// Distance between the two.
         has: f64,
         /// Distance that the gaps need.
         needs: f64,
-        /// The largest gap that would do: at both corners if they turn to
-        /// different sides, at the one with the larger gap otherwise.
+        /// The largest possible gap: at both corners if they turn to different sides, otherwise
+        /// at the one with the larger gap.
         most: f64,
     },
-    /// The taut path would have to turn backwards about a corner, and without
-    /// that corner it would cut it.
+    /// The taut path would have to turn backwards about a corner, and cut it if it left it out.
     #[error(
         "corner {corner} and its neighbours are too close: the path would turn by {sweep:.4} rad about it, which must be positive"
     )]
     CornerNotPassed {
         /// The corner.
         corner: usize,
-        /// The angle in the sense of the turn.
+        /// The angle, positive in the sense of the turn.
         sweep: f64,
     },
     /// A corridor is too narrow for the robot to turn at a corner.
     #[error(
-        "corner {corner}: the corridors are {has:.4} m wide, this footprint needs more than {needs:.4} m to turn"
+        "corner {corner}: the corridors are {has:.4} m wide, the robot needs more than {needs:.4} m to turn"
     )]
     CornerTooNarrow {
         /// The corner.
@@ -119,7 +118,7 @@ pub enum DrivingError {
     },
     /// A wall blocks a turn in place.
     #[error(
-        "the robot can't turn in place at ({:.4}, {:.4}) to heading {heading:.4}: the wall at ({:.4}, {:.4}) lets it turn as far as {free:.4}",
+        "the robot can't turn in place at ({:.4}, {:.4}) to heading {heading:.4}: the wall at ({:.4}, {:.4}) stops it at heading {free:.4}",
         position.x, position.y, wall.x, wall.y
     )]
     TurnBlocked {
@@ -129,7 +128,7 @@ pub enum DrivingError {
         position: Vector<2>,
         /// The heading wanted, in (-pi, pi].
         heading: f64,
-        /// The heading at which it touches first, in (-pi, pi]; those before are free.
+        /// The heading at which it first touches the wall, in (-pi, pi].
         free: f64,
         /// The wall point.
         wall: Vector<2>,

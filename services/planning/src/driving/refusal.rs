@@ -1,4 +1,4 @@
-//! What is refused, and the numbers that would do.
+//! Finds out why a robot cannot be driven as asked, and which numbers would do.
 
 use super::limits::{greatest_gap, least_width};
 use super::{CONTACT, Drive, DrivingError, Gaps};
@@ -7,7 +7,7 @@ use crate::clearance::rectangle::{Met, over_placement};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
-/// Start and goal must lie in their channels.
+/// Checks that start and goal lie in their channels.
 pub(super) fn check_ends(drive: &Drive<'_>) -> Result<(), DrivingError> {
     let inside = |point: &Vector<2>, channel: &AxisBox<2>| {
         (0..2).all(|axis| channel.min()[axis] <= point[axis] && point[axis] <= channel.max()[axis])
@@ -23,7 +23,7 @@ pub(super) fn check_ends(drive: &Drive<'_>) -> Result<(), DrivingError> {
     Ok(())
 }
 
-/// The robot must not touch a wall, nor be inside a solid, before it moves.
+/// Checks that the robot at its start touches no wall and is not inside a solid.
 pub(super) fn check_start(drive: &Drive<'_>, budget: &Budget<'_>) -> Result<(), DrivingError> {
     let position = drive.start.position;
     let inside = drive.walls.solid_around(&position, budget)?;
@@ -37,7 +37,7 @@ pub(super) fn check_start(drive: &Drive<'_>, budget: &Budget<'_>) -> Result<(), 
     }
 }
 
-/// The wall point that the robot touches at a pose.
+/// The wall point that the robot touches at a pose, if it does.
 fn touched(
     drive: &Drive<'_>,
     position: &Vector<2>,
@@ -48,7 +48,7 @@ fn touched(
     Ok(near.filter(|near| near.value <= CONTACT).map(|near| near.wall))
 }
 
-/// There must be a positive gap for every corner.
+/// Checks that there is a positive gap for every corner.
 pub(super) fn check_gaps(drive: &Drive<'_>, gaps: &Gaps<'_>) -> Result<(), DrivingError> {
     let needs = drive.corners.len();
     if let Gaps::PerCorner(gaps) = gaps
@@ -91,7 +91,7 @@ pub(super) fn contact(
             wall: met.wall,
         });
     }
-    // A line is touched where the arcs beside it leave too little room.
+    // A line is blocked if the arcs beside it leave too little room.
     let is_arc = matches!(leg.curve, Curve::Arc { .. });
     let beside = if is_arc { index..=index } else { index.saturating_sub(1)..=index + 1 };
     for corner in beside.filter_map(|index| {
@@ -111,7 +111,7 @@ pub(super) fn contact(
     Ok(DrivingError::WallInTheWay { leg: index, at, wall: met.wall })
 }
 
-/// Whether it is the last placement already that touches.
+/// The error if the robot touches a wall at the goal.
 fn contact_at_goal(
     drive: &Drive<'_>,
     legs: &[Leg<2>],

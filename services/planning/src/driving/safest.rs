@@ -5,29 +5,27 @@ use crate::budget::{Budget, Spent};
 use super::limits::{balanced_gap, least_width};
 use super::{Drive, DrivingError, Gaps, Path, drive};
 
-/// The safest gap is found to this, metres, where it has no closed form.
+/// Precision of the safest gap if it has no closed form, metres.
 const PRECISION: f64 = 1e-10;
 
-/// A clearance within this of the gap is the gap, metres.
+/// A clearance within this of the gap counts as equal to it, metres.
 const ATTAINED: f64 = 1e-9;
 
-/// Number of gaps tried before the search narrows.
+/// The number of gaps tried before the search narrows.
 const TRIALS: usize = 48;
 
-/// Ratio of each to the one before: 48 of them reach down to a millionth.
+/// Ratio of each to the one before: 48 steps lead down to a millionth.
 const RATIO: f64 = 0.75;
 
-/// The gap, the same at every corner, with the greatest clearance from the first
-/// arriving to the last leaving point, metres; `path` is left with the way it
-/// makes. 0 if there is no corner to keep a gap from.
+/// The gap, equal at all corners, with the greatest clearance from the first arriving to the
+/// last leaving point, metres; 0 without corners. `path` is left with its path.
 ///
-/// That is the gap that leaves the same to the corner and to the outer wall in
-/// the narrowest corridor ([`balanced_gap`]) wherever the measured clearance is
-/// that gap and any more of it leaves less. Where corners interact, walls are
-/// not those of the corridors, or start and goal allow less, the measured
-/// clearance is maximised, to 1e-9 m, among the gaps whose guiding circles do
-/// not reach beyond the narrowest corridor. Where corridors overlap, a gap may leave out
-/// corners for another way altogether; such gaps are found only in the second case.
+/// If the measured clearance is the gap that leaves as much to the outer wall as to the corner
+/// of the narrowest corridor ([`balanced_gap`]), and a larger gap leaves less, it is that gap.
+/// Otherwise (corners interact, the walls are not those of the corridors, or start and goal
+/// allow less) the measured clearance is maximised to 1e-9 m among the gaps whose guiding
+/// circles do not reach beyond the narrowest corridor. In overlapping corridors a gap may lead
+/// the path past some corners; such gaps are found in the second case only.
 pub fn safest(task: &Drive<'_>, path: &mut Path, budget: &Budget<'_>) -> Result<f64, DrivingError> {
     let narrowest = (0..task.corners.len())
         .min_by(|&a, &b| task.corners[a].width().total_cmp(&task.corners[b].width()));
@@ -60,20 +58,20 @@ pub fn safest(task: &Drive<'_>, path: &mut Path, budget: &Budget<'_>) -> Result<
 /// The clearance with a gap, or why the gap is refused.
 type Trial = Result<Result<f64, DrivingError>, Spent>;
 
-/// Whether the clearance is `gap` there, and less for a gap beyond. `gap` itself
-/// is tried last.
+/// Whether `gap` has the clearance `gap`, and a larger one has less. `gap` itself is tried
+/// last.
 fn is_peak(turning: &mut impl FnMut(f64) -> Trial, gap: f64) -> Result<bool, Spent> {
     if gap.is_nan() || gap <= 0.0 {
         return Ok(false);
     }
-    // A step that stands out from rounding, also far from the origin.
+    // A step well above rounding, even far from the origin.
     let beyond = turning(gap + 1e-6)?.unwrap_or(0.0);
     Ok(beyond < gap && turning(gap)?.is_ok_and(|there| there >= gap - ATTAINED))
 }
 
-/// The gap up to `most` with the greatest clearance: the best of a geometric
-/// series, then golden section between its neighbours. Gaps that are refused
-/// count as clearance 0; the refusal of the least is returned if all are.
+/// The gap up to `most` with the greatest clearance: the best of a geometric series, then
+/// golden section between its neighbours. Refused gaps count as clearance 0; if all are
+/// refused, the error is that of the least.
 fn maximise(turning: &mut impl FnMut(f64) -> Trial, most: f64) -> Result<f64, DrivingError> {
     let mut best = (0.0, 0.0);
     let mut refusal = None;
@@ -98,7 +96,7 @@ fn maximise(turning: &mut impl FnMut(f64) -> Trial, most: f64) -> Result<f64, Dr
     // Ends as well where no numbers are left between: large ones are farther apart than the
     // precision.
     while high - low > PRECISION && low < lower && lower < upper && upper < high {
-        // Ties go to the shorter way.
+        // Ties go to the shorter path.
         if at_lower >= at_upper {
             (high, upper, at_upper) = (upper, lower, at_lower);
             lower = high - golden * (high - low);

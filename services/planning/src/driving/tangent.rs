@@ -1,15 +1,13 @@
-//! The common tangents of oriented circles: one formula for every straight leg.
+//! Common tangents of oriented circles: one formula for every straight leg.
 
 use crate::geometry::Vector;
 
-/// A circle that the path runs around: the centre, and the radius with the sign
-/// of the turn, positive where the centre lies to the left of the path. Points
-/// have radius 0. Metres.
+/// A circle that the path runs around; a point has radius 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
-    /// Metres.
+    /// The centre, metres.
     pub center: Vector<2>,
-    /// Metres.
+    /// The radius, metres; positive if the centre lies to the left of the path.
     pub signed_radius: f64,
 }
 
@@ -26,22 +24,21 @@ pub(crate) struct Tangent {
     pub(crate) length: f64,
 }
 
-/// Circles that miss each other by less than this part of their distance count
-/// as touching.
+/// Circles that miss each other by less than this part of their distance count as touching.
 const TOUCHING: f64 = 1e-12;
 
-/// The tangent from `first` to `second`, passing both on their sides; `None` if
-/// one circle's centre is too close to the other for that.
+/// The tangent from `first` to `second` that passes each on its side; `None` if the circles
+/// are too close for one.
 ///
-/// A line with unit direction u and left normal n = iu touches circle j where
-/// n.c_j = d + q_j. Subtracting, n.D = k with D = c2 - c1 and k = q2 - q1, so that
-/// D = (T + ik) u with the length T = sqrt(|D|^2 - k^2).
+/// A line with unit direction u and left normal n = iu touches circle j, of centre c_j and
+/// signed radius q_j, if n.c_j = d + q_j. Subtracting, n.D = k with D = c2 - c1 and
+/// k = q2 - q1, so D = (T + ik) u with the length T = sqrt(|D|^2 - k^2).
 pub(crate) fn tangent(first: &Circle, second: &Circle) -> Option<Tangent> {
     let apart = second.center - first.center;
     let k = second.signed_radius - first.signed_radius;
     let square = apart.dot(&apart);
     let rest = square - k * k;
-    // Also refuses what is not a number.
+    // Also refuses NaN.
     if !(square > 0.0 && rest >= -TOUCHING * square) {
         return None;
     }

@@ -1,4 +1,4 @@
-//! The taut path: which corners it touches, and the tangents between them.
+//! The taut path: the corners that it turns about, and the tangents between them.
 
 use super::rules::TurnRule;
 use super::tangent::{Circle, Tangent, tangent};
@@ -17,27 +17,27 @@ pub(super) struct Knot {
     pub(super) arrival: Tangent,
 }
 
-/// A turn by less than this does not count as one, radians.
+/// Turns by less than this do not count, radians.
 const STRAIGHT: f64 = 1e-12;
 
-/// A turn backwards by less than this is none: along lines of many metres corners can't be
-/// told apart any better, radians.
+/// Turns backwards by less than this do not count, radians: along lines of many metres
+/// rounding does not tell corners apart any better.
 pub(super) const ROUNDED: f64 = 1e-9;
 
-/// How far a path may cut into the guiding circle of a corner that it is said to
-/// clear, metres. The exact clearance is measured afterwards in any case.
+/// How far a path may cut into the guiding circle of a corner that it leaves out, metres. The
+/// exact clearance is measured afterwards.
 const CLEARED: f64 = 1e-9;
 
-/// A corner takes as long, in one pass, as so many looks at a wall.
+/// Steps of the budget that one corner takes in one pass.
 const STEPS_PER_CORNER: u64 = 4;
 
-/// Finds the corners that the taut path from start to goal turns about and
-/// returns the last straight leg.
+/// Finds the corners that the taut path from start to goal turns about; returns the last
+/// straight leg.
 ///
-/// A corner about which the path would turn backwards (or not at all) is left
-/// out and its neighbours joined, until all turns go forwards. A corner left out
-/// that the result then cuts is put back for good; if the path still turns
-/// backwards there, it is refused.
+/// A corner about which the path would turn backwards, or not at all, is left out and its
+/// neighbours are joined, until all turns go forwards. If the result cuts a corner that was
+/// left out, that corner is put back for good; if the path still turns backwards there, that
+/// is an error.
 pub(super) fn tighten(
     drive: &Drive<'_>,
     gaps: &Gaps<'_>,
@@ -55,8 +55,8 @@ pub(super) fn tighten(
     }
 }
 
-/// One pass from start to goal; leaves out what turns backwards, but for the
-/// corners in `kept`.
+/// One pass from start to goal that leaves out corners turned about backwards, except those
+/// in `kept`.
 fn wind(
     drive: &Drive<'_>,
     gaps: &Gaps<'_>,
@@ -86,9 +86,8 @@ fn wind(
     Ok(last)
 }
 
-/// The tangent from the last knot (or the start) to the circle of `corner` (or
-/// the goal), after leaving out the knots about which the path would turn
-/// backwards.
+/// The tangent from the last knot (or the start) to the circle of `corner` (or the goal).
+/// Removes knots about which the path would turn backwards.
 fn join(
     drive: &Drive<'_>,
     gaps: &Gaps<'_>,
@@ -105,7 +104,7 @@ fn join(
                 (None, Some(corner)) => {
                     Err(too_close_to_point(drive, gaps, &start, corner, circle))
                 }
-                // The goal is where the robot starts.
+                // The goal is the start.
                 (None, None) => Ok(Tangent {
                     from: start.center,
                     to: start.center,
@@ -138,15 +137,15 @@ fn is_kept(kept: &[bool], knot: &Knot) -> bool {
     kept.get(knot.corner) == Some(&true)
 }
 
-/// Whether a path that arrives and departs in these directions (unit vectors) goes
-/// forwards about a corner.
+/// Whether a path that arrives and departs in these directions (unit vectors) turns forwards
+/// about a corner.
 fn turns_forwards(rule: &TurnRule, arrival: &Vector<2>, departure: &Vector<2>) -> bool {
     let turn = unrotated(departure, arrival);
     if rule.turn.factor() * turn.y > STRAIGHT {
         return true;
     }
-    // Backwards by less than half a turn, or forwards by more? The sweep is a
-    // quarter turn less the arriving and the leaving angle.
+    // Backwards by less than half a turn, or forwards by more? The sweep is a quarter turn
+    // less the arriving and the leaving angle.
     let angle = |direction: &Vector<2>, along: Direction, across: Direction| {
         libm::atan2(across.coordinate(direction), along.coordinate(direction))
     };
@@ -155,8 +154,8 @@ fn turns_forwards(rule: &TurnRule, arrival: &Vector<2>, departure: &Vector<2>) -
     arriving + leaving < 0.0
 }
 
-/// Marks, between each two neighbours on the path, the corner left out that the
-/// line between them cuts most; whether there was one.
+/// Marks, between any two neighbours on the path, the corner left out that their line cuts
+/// most; returns whether there is one.
 fn put_back(
     drive: &Drive<'_>,
     gaps: &Gaps<'_>,
@@ -199,7 +198,7 @@ fn cut(line: &Tangent, circle: &Circle) -> f64 {
     radius - (beyond * beyond + seen.y * seen.y).sqrt()
 }
 
-/// Start or goal lies inside a guiding circle.
+/// The error if start or goal lies inside a guiding circle.
 fn too_close_to_point(
     drive: &Drive<'_>,
     gaps: &Gaps<'_>,
@@ -217,7 +216,7 @@ fn too_close_to_point(
     }
 }
 
-/// Two guiding circles have no common tangent.
+/// The error if two guiding circles have no common tangent.
 fn corners_too_close(
     drive: &Drive<'_>,
     top: &Knot,

@@ -1,26 +1,25 @@
-//! Which channels meet: the graph that a route is looked for in.
+//! Which channels meet: the graph that routes are searched in.
 
 use crate::budget::{Budget, Cap, Held, Spent};
 use crate::geometry::AxisBox;
 use crate::geometry::box_tree::BoxTree;
 
-/// Channels in any order, and for each those that it has a junction with.
+/// Channels in any order and their neighbours, with which they have junctions.
 ///
-/// It depends on nothing but the channels, so that it can be kept for other
-/// bodies, gaps, starts and exits in the same free space. It holds `20 + 35 D`
-/// bytes per channel and 16 per junction.
+/// It depends on the channels only, so it can be kept for other bodies, gaps, starts and
+/// exits in the same free space. It holds `20 + 35 D` bytes per channel and 16 per junction.
 #[derive(Debug, Clone, Default)]
 pub struct Graph<const D: usize> {
     channels: Vec<AxisBox<D>>,
     tree: BoxTree<D>,
-    /// Where each channel's neighbours begin, and where the last one's end.
+    /// Where the neighbours of each channel begin, and where those of the last one end.
     begins: Vec<u32>,
     neighbours: Vec<u32>,
-    /// Both channels of every junction, while the graph is built.
+    /// Both channels of every junction; used while building.
     pairs: Vec<[u32; 2]>,
 }
 
-/// Channels and junctions are counted in 32 bits, some values being reserved.
+/// Channels and junctions are counted in 32 bits; some values are reserved.
 const MOST: usize = u32::MAX as usize / 2 - 1;
 
 /// The pair, and a neighbour for each of the two.
@@ -46,7 +45,7 @@ impl<const D: usize> Graph<D> {
         &self.channels
     }
 
-    /// The memory that it holds.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let channels = self.channels.capacity() * size_of::<AxisBox<D>>();
         let numbers = self.begins.capacity() + self.neighbours.capacity();
@@ -54,17 +53,17 @@ impl<const D: usize> Graph<D> {
         channels + self.tree.bytes() + numbers * size_of::<u32>() + pairs
     }
 
-    /// How many junctions there are.
+    /// The number of junctions.
     pub fn junctions(&self) -> usize {
         self.neighbours.len() / 2
     }
 
-    /// The channels that `channel` has a junction with, in ascending order.
+    /// The neighbours of `channel`, in ascending order.
     pub fn neighbours(&self, channel: usize) -> impl Iterator<Item = usize> {
         self.slots(channel).map(|slot| self.neighbours[slot] as usize)
     }
 
-    /// The places of a channel's neighbours in the list of all.
+    /// The slots of a channel: the places of its neighbours in the list of all.
     pub(crate) fn slots(&self, channel: usize) -> std::ops::Range<usize> {
         self.begins[channel] as usize..self.begins[channel + 1] as usize
     }
@@ -73,7 +72,7 @@ impl<const D: usize> Graph<D> {
         self.neighbours[slot] as usize
     }
 
-    /// How many slots there are.
+    /// The number of slots.
     pub(crate) fn slot_count(&self) -> usize {
         self.neighbours.len()
     }
@@ -126,7 +125,7 @@ impl<const D: usize> Graph<D> {
             end += *begin;
             *begin = end;
         }
-        // Each channel's neighbours are filled in from their end down to their begin.
+        // Neighbours are filled in backwards, from the end of each channel's range.
         neighbours.resize(2 * has, 0);
         for [one, other] in &*pairs {
             for (channel, neighbour) in [(one, other), (other, one)] {

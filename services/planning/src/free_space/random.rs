@@ -3,7 +3,7 @@
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use proptest::prelude::*;
 
-/// A chain of channels that a body passes, and the body in its assembled state.
+/// Channels that a body can pass, and the body in its assembled state.
 #[derive(Debug, Clone)]
 pub(crate) struct Scene<const D: usize> {
     pub(crate) channels: Vec<AxisBox<D>>,
@@ -11,7 +11,7 @@ pub(crate) struct Scene<const D: usize> {
     pub(crate) exit: Direction,
 }
 
-/// Numbers for one channel: which of the other axes, which way, how long, how wide.
+/// One channel: which other axis, whether forwards, how long, how wide.
 type Step<const D: usize> = (usize, bool, f64, [f64; D]);
 
 fn step<const D: usize>() -> impl Strategy<Value = Step<D>> {

@@ -1,4 +1,4 @@
-//! Channels from solids: the maximal boxes of what they leave free.
+//! Channels from solids: the maximal free boxes between them.
 
 use crate::budget::{Budget, Cap, Spent};
 use crate::geometry::polygon::Polygon;
@@ -15,8 +15,8 @@ mod sweep;
 /// Why a solid can't be cut into boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SolidsError {
-    /// A polygon has slanted edges, and the tolerance is not a positive number.
-    #[error("the tolerance {tolerance} m for slanted edges is not greater than {least} m")]
+    /// A polygon has slanted edges, but the tolerance is not a positive number.
+    #[error("the tolerance for slanted edges is {tolerance} m, it must be greater than {least} m")]
     ToleranceNotPositive {
         /// The tolerance given, metres.
         tolerance: f64,
@@ -28,23 +28,23 @@ pub enum SolidsError {
     Spent(#[from] Spent),
 }
 
-/// Solids, cut into boxes. Reusable memory.
+/// Solids, cut into boxes. They may touch, overlap and repeat. Reusable memory.
 ///
-/// They may touch, overlap, and be given twice. It holds `16 D + 4` bytes per box; from
-/// looking for channels `48 D + 40` more, or `67 D + 56` where more than a few sides lie
-/// in one place; `8 D` per channel; and `8 D + 4` per box considered at one time besides
-/// an index of them (nodes of `8 D + 20` bytes, as a rule one for every five boxes).
+/// It holds `16 D + 4` bytes per box. A search for channels takes `48 D + 40` more, or
+/// `67 D + 56` if more than a few sides lie in one place; `8 D` per channel; and `8 D + 4`
+/// per candidate, with an index of them (nodes of `8 D + 20` bytes, usually one for every
+/// five).
 #[derive(Debug, Clone, Default)]
 pub struct Solids<const D: usize> {
     boxes: Vec<AxisBox<D>>,
-    /// Which solid each box is of, in the order in which they were added.
+    /// The solid that each box belongs to, by order of addition.
     solids: Vec<u32>,
     count: u32,
     sweep: Sweep<D>,
 }
 
 impl<const D: usize> Solids<D> {
-    /// Forgets all solids, keeping the memory.
+    /// Removes all solids; the memory is kept.
     pub fn clear(&mut self) {
         self.boxes.clear();
         self.solids.clear();
@@ -74,12 +74,10 @@ impl<const D: usize> Solids<D> {
         self.count = self.count.saturating_add(1);
     }
 
-    /// The solid that reaches deepest into the box from `min` to `max` (a point, if they are the
-    /// same): its index in the order in which solids were added, the axis along which the
-    /// box would have to be moved least to be out of it, and by how much (metres). The first
-    /// of equals; `None` if none reaches into it.
-    ///
-    /// Of a polygon this is the deepest of the boxes that it was cut into.
+    /// The solid that reaches deepest into the box from `min` to `max` (which may be a point):
+    /// its index by order of addition, the axis along which the shortest move takes the box out
+    /// of it, and the length of that move, metres. The first of equals; `None` if no solid
+    /// reaches into the box. A polygon counts by the boxes that it was cut into.
     pub fn deepest(&self, min: &Vector<D>, max: &Vector<D>) -> Option<(usize, usize, f64)> {
         let mut deepest: Option<(usize, usize, f64)> = None;
         for (solid, index) in self.boxes.iter().zip(&self.solids) {
@@ -105,11 +103,11 @@ impl<const D: usize> Solids<D> {
         AxisBox::new(min, max).ok()
     }
 
-    /// Where to look for the channels of a cavity from which `body` is to be taken
-    /// along `exit`: [`Solids::bounds`], whose side towards the exit is the mouth.
+    /// The bounds for the channels of a cavity that `body` leaves along `exit`:
+    /// [`Solids::bounds`], whose side towards the exit is the mouth.
     ///
-    /// A body that reaches the mouth or sticks out of it moves the mouth out, to
-    /// one length of the body beyond it: a channel must be larger than the body.
+    /// If the body reaches the mouth or sticks out of it, the mouth moves out to one length of
+    /// the body beyond it, since a channel must be larger than the body.
     pub fn cavity(&self, body: &AxisBox<D>, exit: Direction) -> Option<AxisBox<D>> {
         let bounds = self.bounds()?;
         let (mut min, mut max) = (bounds.min(), bounds.max());
@@ -133,16 +131,34 @@ impl<const D: usize> Solids<D> {
         boxes + self.solids.capacity() * size_of::<u32>() + self.sweep.bytes()
     }
 
-    /// Refills `channels` with all maximal boxes of the part of `bounds` that the
-    /// solids leave free, as far as they are larger than `body` (metres) on every
-    /// axis; sorted by their least, then their greatest corner, the first axis
+    /// Refills `channels` with all maximal free boxes within `bounds` that are larger than
+    /// `body` (metres) along every axis, sorted by least, then greatest corner, the first axis
     /// first.
     ///
-    /// Exact: only coordinates of the solids and of `bounds` are used, and they are
-    /// only compared. The time grows about as n log n with the number n of solids
-    /// and of boxes found or cut short on the way. These can be as many as the
-    /// square of the solids in two dimensions and are near as many as the solids
-    /// where these stand apart evenly.
+    /// Exact: coordinates of the solids and of `bounds` are compared, never computed with. Time
+    /// grows about as n log n with the number n of solids, of boxes found, and of candidates
+    /// dropped on the way. In two dimensions the boxes can be as many as the square of the
+    /// solids; they are about as many as the solids if these stand apart evenly.
+    ///
+    /// ```
+    /// use planning::budget::Budget;
+    /// use planning::free_space::solids::Solids;
+    /// use planning::geometry::AxisBox;
+    ///
+    /// // A pillar in the middle of a room of 6 m by 4 m leaves four channels.
+    /// let (mut solids, budget) = (Solids::default(), Budget::default());
+    /// solids.push_box(AxisBox::new([2.0, 1.0].into(), [4.0, 3.0].into())?, &budget)?;
+    /// let room = AxisBox::new([0.0, 0.0].into(), [6.0, 4.0].into())?;
+    /// let mut channels = Vec::new();
+    /// solids.channels(&room, &[0.5, 0.5].into(), &budget, &mut channels)?;
+    /// assert_eq!(channels.len(), 4);
+    /// // Only those to the left and to the right are wider than 1 m along x and y.
+    /// solids.channels(&room, &[1.0, 1.0].into(), &budget, &mut channels)?;
+    /// let left = AxisBox::new([0.0, 0.0].into(), [2.0, 4.0].into())?;
+    /// let right = AxisBox::new([4.0, 0.0].into(), [6.0, 4.0].into())?;
+    /// assert_eq!(channels, [left, right]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn channels(
         &mut self,
         bounds: &AxisBox<D>,
@@ -157,11 +173,10 @@ impl<const D: usize> Solids<D> {
 }
 
 impl Solids<2> {
-    /// Adds a solid polygon, exactly where its edges are parallel to the axes.
-    ///
-    /// A slanted edge is replaced by steps outside of it, so that what is left
-    /// free is free indeed. What they take lies within `tolerance` (metres) of the
-    /// edge, measured along the axis to which the edge is closer to being across.
+    /// Adds a solid polygon. Edges parallel to the axes are kept exactly; a slanted edge is
+    /// replaced by steps outside it, so that no channel overlaps the polygon. The steps stay
+    /// within `tolerance` (metres) of the edge, measured along the axis that is nearer to
+    /// perpendicular to it.
     pub fn push_polygon(
         &mut self,
         polygon: &Polygon,

@@ -1,4 +1,4 @@
-//! What the body must not touch.
+//! Walls: what a body must not touch.
 
 use crate::budget::{Budget, Spent};
 use crate::geometry::box_tree::{BoxTree, distance_squared_box_box};
@@ -10,14 +10,14 @@ mod free;
 
 pub use complement::Complement;
 
-/// Up to as many walls there is no index: looking at all is faster.
+/// Up to this many walls there is no index: checking them all is faster.
 const FEW: usize = 64;
 
-/// So many solids are passed over in the time that a look at a wall takes.
+/// Solids passed over in the time that one wall takes.
 const SOLIDS_PER_STEP: u64 = 8;
 
-/// A flat piece of wall: in two dimensions the segment from `from` to `to`, in
-/// three the axis-parallel rectangle between these opposite corners. Metres.
+/// A flat piece of wall, metres: in two dimensions the segment from `from` to `to`, in three
+/// the axis-parallel rectangle between these opposite corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wall<const D: usize> {
     /// One end, or the corner with the least coordinates.
@@ -32,27 +32,26 @@ impl<const D: usize> Wall<D> {
         (self.from.inf(&self.to), self.from.sup(&self.to))
     }
 
-    /// Whether it lies across an axis; in three dimensions all walls do.
+    /// Whether it is perpendicular to an axis; in three dimensions all walls are.
     pub fn is_axis_parallel(&self) -> bool {
         (0..D).any(|axis| self.from[axis] == self.to[axis])
     }
 }
 
-/// Something solid whose surface is among the walls.
+/// A solid whose surface is among the walls.
 #[derive(Debug, Clone, Copy)]
 struct Solid<const D: usize> {
     bounds: AxisBox<D>,
-    /// Its walls: the first, and how many.
+    /// The index of its first wall, and their number.
     walls: (usize, usize),
     /// Whether it fills its bounds.
     is_box: bool,
 }
 
-/// All walls of a scene.
+/// All walls of a scene. Reusable memory: 320 bytes per channel of a chain in two dimensions.
 ///
-/// Refilled again and again in the same memory, 320 bytes per channel of a chain in
-/// two dimensions. After the last addition [`Walls::index`] makes searching
-/// many walls fast; without it everything works, slowly.
+/// Call [`Walls::index`] after the last addition. Without it searches give the same results,
+/// only slower.
 #[derive(Debug, Clone, Default)]
 pub struct Walls<const D: usize> {
     walls: Vec<Wall<D>>,
@@ -61,7 +60,7 @@ pub struct Walls<const D: usize> {
 }
 
 impl<const D: usize> Walls<D> {
-    /// Forgets all walls, keeping the memory.
+    /// Removes all walls; the memory is kept.
     pub fn clear(&mut self) {
         self.walls.clear();
         self.solids.clear();
@@ -90,8 +89,8 @@ impl<const D: usize> Walls<D> {
         self.solids.push(Solid { bounds: *solid, walls: (first, 2 * D), is_box: true });
     }
 
-    /// Prepares for searching among many walls; to be called after the last
-    /// addition. Allocates only for more walls than ever before.
+    /// Builds the index that makes searches among many walls fast; to be called after the
+    /// last addition. Allocates only for more walls than ever before.
     ///
     /// The memory of all walls is left taken from the budget.
     pub fn index(&mut self, budget: &Budget<'_>) -> Result<(), Spent> {
@@ -104,20 +103,20 @@ impl<const D: usize> Walls<D> {
         Ok(())
     }
 
-    /// The memory that it holds.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let walls = self.walls.capacity() * size_of::<Wall<D>>();
         walls + self.solids.capacity() * size_of::<Solid<D>>() + self.tree.bytes()
     }
 
-    /// All walls, in the order in which they were added.
+    /// All walls, in the order of addition.
     pub fn as_slice(&self) -> &[Wall<D>] {
         &self.walls
     }
 
-    /// Calls `visit` with (at least) every wall that comes closer than `reach`
-    /// to the box from `min` to `max`: in the order of [`Walls::as_slice`] where
-    /// there are at most 64, otherwise in one that depends on the walls alone.
+    /// Calls `visit` with at least every wall within `reach` of the box from `min` to `max`:
+    /// up to 64 walls in the order of [`Walls::as_slice`], more in an order that depends on
+    /// the walls only.
     pub fn near(
         &self,
         min: &Vector<D>,
@@ -142,8 +141,8 @@ impl<const D: usize> Walls<D> {
         Ok(())
     }
 
-    /// Calls `visit` with (at least) every wall that comes as near to the box
-    /// from `min` to `max` as `visit` last returned, each once.
+    /// Calls `visit` once with at least every wall that is as near to the box from `min` to
+    /// `max` as the distance that `visit` returned last.
     pub fn nearest(
         &self,
         min: &Vector<D>,
@@ -156,7 +155,7 @@ impl<const D: usize> Walls<D> {
             return self.tree.visit(min, max, f64::INFINITY, budget, visit);
         }
         budget.step(self.walls.len() as u64)?;
-        // The nearest of the few first, then those that still are in reach.
+        // The nearest of the few first, then those still in reach.
         let (few, more) = self.walls.split_at(self.walls.len().min(FEW));
         let mut distances = [0.0; FEW];
         let mut first = 0;
@@ -182,7 +181,7 @@ impl<const D: usize> Walls<D> {
         Ok(())
     }
 
-    /// The first wall of a solid that has `point` in its interior, if there is one.
+    /// The index of the first wall of a solid that has `point` inside, if there is one.
     pub fn solid_around(
         &self,
         point: &Vector<D>,
@@ -205,23 +204,22 @@ impl<const D: usize> Walls<D> {
         Ok(None)
     }
 
-    /// Whether the interior of `space` is free: no wall passes through it, and it is
-    /// not inside of a solid. Contact, also within rounding (some 1e-14 of the
-    /// coordinates), leaves it free.
+    /// Whether the interior of `space` is free: no wall passes through it, and it is not
+    /// inside a solid. It may touch walls, to within rounding (some 1e-14 of the coordinates).
     pub fn is_free(&self, space: &AxisBox<D>, budget: &Budget<'_>) -> Result<bool, Spent> {
         let mut free = true;
         self.nearest(&space.min(), &space.max(), budget, |_, wall| {
             free &= !free::passes_through(wall, space);
-            // Those that touch the box are all that can pass through it.
+            // Only walls that touch the box can pass through it.
             if free { 0.0 } else { -1.0 }
         })?;
-        // With no wall in between, all of it is on one side of every surface.
+        // No wall passes through it, so it is inside a solid wholly or not at all.
         Ok(free && self.solid_around(&space.center(), budget)?.is_none())
     }
 }
 
 impl Walls<2> {
-    /// Adds the sides of a box that is free inside.
+    /// Adds the sides of a box whose inside is free.
     pub fn push_inside(&mut self, bounds: &AxisBox<2>) {
         let (min, max) = (bounds.min(), bounds.max());
         let (right, left) = (Vector::from([max.x, min.y]), Vector::from([min.x, max.y]));

@@ -1,5 +1,4 @@
-//! What stands in a traveller's way between solids: the narrowest passage on the widest
-//! way, or the wall.
+//! Why there is no route between solids: the narrowest passage on the widest way, or a wall.
 
 use super::Traveller;
 use super::widest::{Change, Lack, Space, Unknown, Way, extent, is_of_the_search};
@@ -8,7 +7,7 @@ use crate::free_space::End;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 
-/// Where something is: its least and its greatest corner, metres. May be flat.
+/// A box, metres; may be flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place<const D: usize> {
     /// The corner with the least coordinates.
@@ -17,76 +16,75 @@ pub struct Place<const D: usize> {
     pub max: Vector<D>,
 }
 
-/// A place that is free and too narrow.
+/// A free place that is too narrow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage<const D: usize> {
     /// Where it is.
     pub place: Place<D>,
-    /// Along which axis it is too narrow.
+    /// The axis along which it is too narrow.
     pub axis: usize,
-    /// What its extent along it must exceed, metres.
+    /// Its extent along the axis must exceed this, metres.
     pub needs: f64,
-    /// Its extent along it, metres.
+    /// Its extent along the axis, metres.
     pub has: f64,
 }
 
 impl<const D: usize> Passage<D> {
-    /// Whether the traveller does not fit in; where it just does, it is not free to move.
+    /// Whether the traveller does not fit in. If it just fits, it cannot move.
     fn is_too_narrow(&self) -> bool {
         self.has < self.needs
     }
 }
 
-/// Why a traveller does not come through between solids.
+/// What blocks a traveller between solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Blocked<const D: usize> {
-    /// The start is not free: it lies in a solid or outside the bounds.
+    /// The start is in a solid or outside the bounds.
     StartTaken(Place<D>),
-    /// The goal is not free.
+    /// The goal is in a solid or outside the bounds.
     GoalTaken(Place<D>),
-    /// Where it starts it has no room: this is the widest place there.
+    /// There is no room at the start: this is the widest place there.
     NarrowStart(Passage<D>),
-    /// At the goal it has no room: this is the widest place there.
+    /// There is no room at the goal: this is the widest place there.
     NarrowGoal(Passage<D>),
-    /// It has no room anywhere: this is the widest place.
+    /// There is no room anywhere: this is the widest place.
     NoRoom(Passage<D>),
-    /// The widest way leads through here, and is nowhere narrower.
+    /// The narrowest place on the widest way.
     Narrow {
         /// Where it is narrowest.
         passage: Passage<D>,
-        /// Which junction of free boxes that is, in travel order.
+        /// The junction of free boxes there, counted from 0 in travel order.
         junction: usize,
-        /// How many other places on that way are too narrow, by no more.
+        /// How many other places on that way are too narrow, none by more.
         others: usize,
     },
-    /// No way leads from start to end, however narrow. Of all walls on the way whose
-    /// thickest is thinnest this is the thickest.
+    /// No way leads from start to end, however narrow: walls are in between. This is the thickest
+    /// wall on the way where the thickest is thinnest.
     Wall {
         /// The part of the wall between the free boxes on both sides of it.
         place: Place<D>,
-        /// The axis along which it is passed.
+        /// The axis along which it would be passed.
         axis: usize,
-        /// Its thickness along it, metres; 0 where free boxes meet at an edge only.
+        /// Its thickness along that axis, metres; 0 if free boxes just meet at an edge.
         thickness: f64,
         /// What an opening through it must exceed along every axis, metres.
         needs: Vector<D>,
-        /// Which junction of free boxes it takes the place of, in travel order.
+        /// The missing junction of free boxes, counted from 0 in travel order.
         junction: usize,
-        /// How many other places on that way are too narrow or walls, too.
+        /// How many other places on that way are too narrow or walls.
         others: usize,
     },
 }
 
-/// Looks again where no route was found through the channels larger than `room`: over
-/// `boxes`, all maximal free boxes within `bounds` whatever their size (as
-/// [`Solids::channels`](crate::free_space::solids::Solids::channels) makes them for a
-/// body of no size). `None` where nothing is in the way but a gap or a turn, or where it
-/// would take more than about [`Cap::RouteSteps`](crate::budget::Cap::RouteSteps) pairs of
-/// boxes to tell.
+/// Finds out what blocks a traveller that has no route through the channels larger than
+/// `room`. `boxes` are all maximal free boxes within `bounds`, whatever their size, from
+/// [`Solids::channels`](crate::free_space::solids::Solids::channels) for a body of no size.
+/// `None` if only a gap or a turn is in the way, or if it would take more than about
+/// [`Cap::RouteSteps`](crate::budget::Cap::RouteSteps) pairs of boxes to tell.
 ///
-/// A body fits through from one maximal box to the next if it fits into what they have in
-/// common, so the widest way over these boxes is the widest that there is: a body would
-/// have to be smaller by what is missing on every axis.
+/// A body passes from one maximal box to the next if it fits into their common part, so the
+/// widest way over these boxes is the widest of all: no body larger than it along every axis
+/// passes.
 pub fn blocked<const D: usize>(
     boxes: &[AxisBox<D>],
     bounds: &AxisBox<D>,
@@ -105,7 +103,7 @@ pub fn blocked<const D: usize>(
     }))
 }
 
-/// Boxes are copied, and looked at for the start, the goal and room.
+/// Every box is copied, and checked for the start, the goal and room.
 const STEPS_PER_BOX: u64 = 4;
 
 fn on_the_way<const D: usize>(
@@ -161,8 +159,8 @@ fn on_the_way<const D: usize>(
     }
 }
 
-/// Lengthens all boxes that reach the bounds' side towards the exit, as all is free
-/// beyond it, and adds what lies there.
+/// Lengthens all boxes that reach the side of the bounds towards the exit, beyond which
+/// everything is free, and adds the free box beyond it.
 fn open_mouth<const D: usize>(
     boxes: &mut Vec<AxisBox<D>>,
     bounds: &AxisBox<D>,
@@ -189,12 +187,12 @@ fn open_mouth<const D: usize>(
     boxes.extend(outwards(&min, &max));
 }
 
-/// The greatest coordinate along a direction.
+/// The greatest coordinate along a direction, metres.
 fn reach<const D: usize>(sides: &AxisBox<D>, towards: Direction) -> f64 {
     towards.coordinate(&sides.min()).max(towards.coordinate(&sides.max()))
 }
 
-/// The widest of these boxes, unless one of them has room.
+/// The widest of these boxes; `None` if one of them has room.
 fn no_room<const D: usize>(
     boxes: &[AxisBox<D>],
     around: &[usize],
@@ -248,7 +246,7 @@ impl<const D: usize> Scene<'_, D> {
         })
     }
 
-    /// A box that start and end both lie in, and that the body just fills.
+    /// For a box that holds start and end, and that the body just fills.
     fn in_one_box(&self, way: &Way) -> Option<Blocked<D>> {
         let [index] = way.route[..] else { return None };
         let (free, room) = (&self.space.channels[index], self.space.room?);
@@ -262,9 +260,8 @@ impl<const D: usize> Scene<'_, D> {
         Some(Blocked::Narrow { passage, junction: 0, others: 0 })
     }
 
-    /// Where the narrow place at a junction is. Mostly one of its two boxes is as narrow
-    /// as it is: a doorway, reaching far into the rooms before and behind. Then it is
-    /// the part of that box between them.
+    /// Where a junction is narrow. Usually one of its two boxes is as narrow: a doorway that
+    /// reaches far into the rooms on both sides. Then it is the part of that box between them.
     fn passage(&self, way: &Way, junction: usize, axis: usize) -> Place<D> {
         let boxes = self.space.channels;
         let at = |place: usize| &boxes[way.route[place]];
@@ -295,8 +292,8 @@ impl<const D: usize> Scene<'_, D> {
         self.within(&part)
     }
 
-    /// Without the ends that lie in wider boxes as well, as the way may have led along the
-    /// narrow one through rooms beside it; whole along an axis where these leave nothing.
+    /// Without the ends that also lie in wider boxes, as the way may have led along the narrow
+    /// box through rooms beside it. An axis along which nothing would be left stays whole.
     fn trimmed(&self, place: Place<D>, axis: usize, worst: &Lack) -> Result<Place<D>, Spent> {
         let boxes = self.space.channels;
         let has = place.max[axis] - place.min[axis];
@@ -329,8 +326,8 @@ impl<const D: usize> Scene<'_, D> {
         Ok(rest)
     }
 
-    /// How many places on the way are too narrow or walled, besides the worst. A doorway is
-    /// one place with two junctions, one after the other.
+    /// How many places on the way, besides the worst, are too narrow or walls. A doorway is one
+    /// place with two consecutive junctions.
     fn other_places(&self, way: &Way) -> usize {
         let boxes = self.space.channels;
         let (mut count, mut last) = (0_usize, None);
@@ -349,8 +346,7 @@ impl<const D: usize> Scene<'_, D> {
         count.saturating_sub(1)
     }
 
-    /// What two boxes have in common; along axes along which they are apart, what lies
-    /// between.
+    /// The common part of two boxes; along axes on which they are apart, the part between.
     fn between(&self, one: &AxisBox<D>, other: &AxisBox<D>) -> Place<D> {
         let (a, b) = (one.min().sup(&other.min()), one.max().inf(&other.max()));
         self.within(&Place { min: a.inf(&b), max: a.sup(&b) })

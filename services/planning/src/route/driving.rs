@@ -1,4 +1,4 @@
-//! A robot that turns about corners on guiding circles.
+//! The mover of a robot: it turns about corners on guiding circles.
 
 use super::label::{Label, NONE};
 use super::mover::{Motion, Step};
@@ -16,23 +16,21 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 mod cone;
 
-/// A robot whose path is drawn taut about the guiding circles (equation 5.1) of the
-/// corners it passes.
+/// A robot whose path is taut about the guiding circles (equation 5.1) of its corners.
 ///
-/// The taut path through a chain turns about some of its corners and passes the others
-/// at a distance, in a straight line from one circle to a later one. So the search opens
-/// two labels at a junction: one that turns there, and one that passes, which keeps the
-/// circle that the line leaves and the cone of directions in which it passes all
-/// junctions so far. Of the ways that turn about a corner the shortest is the best
-/// whatever follows; of those that pass, one is useless beside another that leaves the
-/// same circle and has a cone around its own.
+/// The taut path through a chain turns about some corners and passes the others at a
+/// distance, in a straight line from one circle to a later one. So the search opens two
+/// labels at a junction: one that turns there, and one that passes, with the circle that the
+/// line leaves and the cone of directions in which it passes all junctions so far. Of the
+/// ways that turn about a corner the shortest is best whatever follows; of those that pass,
+/// one is useless if another leaves the same circle with a cone that contains its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driving {
     traveller: Traveller<2>,
     goal: Vector<2>,
     radius: f64,
     half_width: f64,
-    /// Straight lines from one circle to another that are not to be followed.
+    /// Straight lines between circles that are ruled out.
     blocked: Vec<[Circle; 2]>,
 }
 
@@ -45,27 +43,27 @@ pub enum Passage {
         circle: Circle,
         /// Direction of the line that arrives there (unit vector).
         arrival: Vector<2>,
-        /// The label of the circle that the line leaves; `NONE`: the start.
+        /// The label of the circle that the line leaves; `NONE` for the start.
         root: u32,
     },
-    /// Straight on, its corner at a distance.
+    /// Straight on, at a distance from its corner.
     Straight {
-        /// The same.
+        /// The label of the circle that the line leaves; `NONE` for the start.
         root: u32,
-        /// Directions of lines that pass every junction since.
+        /// The directions of lines that pass every junction since.
         cone: Cone,
     },
 }
 
-/// What a straight line leaves: a circle, or the start.
+/// The circle, or the start, that a straight line leaves.
 #[derive(Debug, Clone, Copy)]
 struct Root {
-    /// Its label; `NONE`: the start.
+    /// Its label; `NONE` for the start.
     index: u32,
     circle: Circle,
-    /// Direction in which the path arrives there; none at the start.
+    /// Direction in which the path arrives; `None` at the start.
     arrival: Option<Vector<2>>,
-    /// Length up to there, metres.
+    /// Length of the path until there, metres.
     length: f64,
     /// Directions in which it can be left.
     cone: Cone,
@@ -79,15 +77,15 @@ impl Root {
         self.arrival.map_or(center, |arrival| center - normal(arrival) * signed_radius)
     }
 
-    /// Length of the path that leaves it along a line, metres.
+    /// Length of the path to the end of a line that leaves it, metres.
     fn length_with(&self, line: &Tangent) -> f64 {
         let Some(arrival) = &self.arrival else { return line.length };
         let swept = angle(arrival, &line.direction, sense(&self.circle)).max(0.0);
         self.length + self.circle.signed_radius.abs() * swept + line.length
     }
 
-    /// The directions of lines that lead through a junction and pass its corner at more than
-    /// the guiding circle's radius.
+    /// The directions of lines that lead through a junction and stay outside the guiding circle
+    /// of its corner.
     fn cone_through(&self, junction: &AxisBox<2>, circle: &Circle) -> Option<Cone> {
         let past = tangent(&self.circle, circle)?.direction;
         let past = self.cone.common(&Cone::half(&past, sense(circle).opposite()))?;
@@ -98,9 +96,8 @@ impl Root {
         if distance_to(junction, &self.circle.center) > self.circle.signed_radius.abs() {
             return Cone::around(directions).common(&past);
         }
-        // The start lies in the junction, or the arc leads into it or begins there; only
-        // where all of it lies ahead can the line not leave the arc before it can lead
-        // into it.
+        // If the start lies in the junction, or the arc leads into it or begins there. Only if
+        // all of it lies ahead can no line leave the arc too early to lead into it.
         let Some(arrival) = &self.arrival else { return Some(past) };
         let turn = sense(&self.circle);
         let angles = directions.map(|direction| (angle(arrival, direction, turn), direction));
@@ -112,9 +109,9 @@ impl Root {
 }
 
 impl Driving {
-    /// A robot whose centre is at `position` and is to come to `goal`, that passes
-    /// junctions larger than `needs` on every axis (metres), is as wide as `width` and turns
-    /// about corners with this gap.
+    /// A robot of this width whose centre goes from `position` to `goal` through junctions
+    /// larger than `needs` along every axis, and that keeps this gap from corners; all in
+    /// metres.
     pub fn new(
         position: Vector<2>,
         goal: Vector<2>,
@@ -136,8 +133,8 @@ impl Driving {
         Some(Circle { center: rule.corner_of(&corner.junction), signed_radius })
     }
 
-    /// What the line leaves that the way to a label (`NONE`: the start) is on; `None` if
-    /// another way there has been found to be better.
+    /// The root of the line that the way to a label (`NONE` for the start) is on; `None` if a
+    /// better way there has been found.
     fn root(&self, labels: &[Label<Passage>], from: u32) -> Option<Root> {
         let (index, passed) = match labels.get(from as usize).map(|label| &label.state) {
             Some(Passage::Straight { root, cone }) => (*root, Some(*cone)),
@@ -150,7 +147,7 @@ impl Driving {
         Some(Root { cone: passed.unwrap_or(root.cone), ..root })
     }
 
-    /// The circle of a label that turns; otherwise the start.
+    /// The circle of a turning label; otherwise the start.
     fn root_of(&self, labels: &[Label<Passage>], index: u32) -> Root {
         match labels.get(index as usize).map(|label| (label.length, &label.state)) {
             Some((length, Passage::Turning { circle, arrival, .. })) => Root {
@@ -170,7 +167,7 @@ impl Driving {
         }
     }
 
-    /// The line from a root to a circle, if the cone holds it and nothing is in the way.
+    /// The line from a root to a circle, if the cone holds it and no wall blocks it.
     fn line(
         &self,
         search: &Search<'_, 2>,
@@ -188,7 +185,7 @@ impl Driving {
         Ok(is_free.then_some(line))
     }
 
-    /// Whether no wall is so near a line that the robot's side would touch it.
+    /// Whether the robot's sides touch no wall along a line.
     fn is_clear(
         &self,
         walls: &Walls<2>,
@@ -204,7 +201,7 @@ impl Driving {
         Ok(clear)
     }
 
-    /// Whether two roots are the same circle, reached in the same way.
+    /// Whether two roots are the same circle, reached alike.
     fn is_same(&self, labels: &[Label<Passage>], one: u32, other: u32) -> bool {
         one == other || {
             let [one, other] = [one, other].map(|index| self.root_of(labels, index));
@@ -214,15 +211,15 @@ impl Driving {
         }
     }
 
-    /// Whether a way that turns about a corner is no longer than another: both arrive on
-    /// the same circle, and one goes on (or back) along it to where the other arrives.
+    /// Whether one way that turns about a corner makes another useless. Both arrive at the same
+    /// circle; the one goes on (or back) along it to where the other arrives.
     fn beats(
         &self,
         (one, arrival): (f64, &Vector<2>),
         (other, later): (f64, &Vector<2>),
         circle: &Circle,
     ) -> bool {
-        // Seldom is it so close that the angle decides.
+        // The angle rarely decides.
         let most = self.radius * PI;
         one + most <= other
             || one - most <= other
@@ -234,18 +231,18 @@ fn point(center: Vector<2>) -> Circle {
     Circle { center, signed_radius: 0.0 }
 }
 
-/// Which way a circle is run around.
+/// The sense in which a circle is run around.
 fn sense(circle: &Circle) -> Sign {
     Sign::of(circle.signed_radius)
 }
 
-/// The angle from one direction to another in the sense of a turn, in [-pi, pi].
+/// The angle from one direction to another in the sense of a turn, radians in [-pi, pi].
 fn angle(from: &Vector<2>, to: &Vector<2>, turn: Sign) -> f64 {
     let turned = unrotated(to, from);
     libm::atan2(turn.factor() * turned.y, turned.x)
 }
 
-/// How far a box is from a point; 0 if it holds it.
+/// The distance of a box from a point, metres; 0 if it holds the point.
 fn distance_to(space: &AxisBox<2>, point: &Vector<2>) -> f64 {
     let ends = (&space.min(), &space.max());
     distance_squared_box_box(ends, (point, point)).sqrt()
@@ -258,8 +255,8 @@ impl Motion<2> for Driving {
         &self.traveller
     }
 
-    /// By straight lines from point to point, where the bisector of each corner cuts its
-    /// guiding circle: the middle of the arc of a full quarter turn.
+    /// Straight lines between the points where the bisector of each corner meets its guiding
+    /// circle: the middle of the arc of a quarter turn.
     fn outline(&self) -> Option<f64> {
         Some(self.radius * FRAC_1_SQRT_2)
     }
@@ -347,7 +344,7 @@ impl Motion<2> for Driving {
     fn avoid(&mut self, labels: &[Label<Passage>], last: u32, junction: Option<usize>) -> bool {
         let Some(Root { index: mut from, .. }) = self.root(labels, last) else { return false };
         let mut line = [point(self.traveller.least), point(self.goal)];
-        // The line that leads to the junction's corner, or passes it at a distance.
+        // The line that leads to the corner of the junction, or passes it at a distance.
         let passed = junction.map_or(usize::MAX, |junction| junction + 1);
         while let Some(label) = labels.get(from as usize)
             && let Passage::Turning { circle, root, .. } = &label.state

@@ -9,9 +9,9 @@ pub enum RouteError {
     /// The free space has no channel.
     #[error("there are 0 channels, at least 1 is needed")]
     NoChannels,
-    /// No channel holds the start.
+    /// No channel contains the start.
     #[error(
-        "no channel holds the start; the nearest, {channel}, ends at {end} along coordinate {axis}, the body reaches {body}"
+        "no channel contains the start: the nearest, {channel}, ends at {end} along coordinate {axis}, the body reaches {body}"
     )]
     StartOutside {
         /// The channel that it is least outside of.
@@ -23,9 +23,9 @@ pub enum RouteError {
         /// Coordinate of the channel's side that it passes, metres.
         end: f64,
     },
-    /// No channel holds the goal.
+    /// No channel contains the goal.
     #[error(
-        "no channel holds the goal; the nearest, {channel}, ends at {end} along coordinate {axis}, the goal is at {goal}"
+        "no channel contains the goal: the nearest, {channel}, ends at {end} along coordinate {axis}, the goal is at {goal}"
     )]
     GoalOutside {
         /// The channel that it is least outside of.
@@ -37,12 +37,11 @@ pub enum RouteError {
         /// Coordinate of the channel's side that it passes, metres.
         end: f64,
     },
-    /// Every way leads through a junction that is too small by (2.5), or over channels
-    /// that are apart. Of all ways this is the one whose worst junction lacks least, and
-    /// on it the junction that lacks most: made larger than what it needs, it opens the
-    /// way, unless others on it are too small as well.
+    /// Every way leads through a junction that is too small by (2.5), or over channels that
+    /// are apart. This is the worst junction on the way whose worst junction is best: made larger
+    /// than it needs to be, it opens that way, unless `others` are too small as well.
     #[error(
-        "no way through: the junction of channels {first} and {second} is {has} m wide along coordinate {axis}, more than {needs} m are needed"
+        "no route: the junction of channels {first} and {second} is {has} m wide along coordinate {axis}, it must be wider than {needs} m"
     )]
     JunctionTooSmall {
         /// The channel before it.
@@ -55,14 +54,14 @@ pub enum RouteError {
         axis: usize,
         /// What it must exceed, metres.
         needs: f64,
-        /// Its extent, metres; 0 if the channels only touch.
+        /// Its extent, metres; 0 if the channels just touch.
         has: f64,
         /// How many other junctions of that way are too small, by no more.
         others: usize,
     },
-    /// The same where the two channels do not even touch.
+    /// As [`RouteError::JunctionTooSmall`], for channels that do not even touch.
     #[error(
-        "no way through: channels {first} and {second} are {apart} m apart along coordinate {axis}, a junction of more than {needs} m is needed"
+        "no route: channels {first} and {second} are {apart} m apart along coordinate {axis}, they must overlap by more than {needs} m"
     )]
     Apart {
         /// The channel before the gap between them.
@@ -75,14 +74,14 @@ pub enum RouteError {
         axis: usize,
         /// What their junction must exceed, metres.
         needs: f64,
-        /// How far apart they are, metres.
+        /// The distance between them along it, metres.
         apart: f64,
         /// How many other junctions of that way are too small, by no more.
         others: usize,
     },
-    /// The same for (3.1): the body would pass on some way, but not with this gap.
+    /// As [`RouteError::JunctionTooSmall`], for (3.1): the body would pass, but not with this gap.
     #[error(
-        "no way through with the gap {gap} m: at the junction of channels {first} and {second} it must be between {least} m and {most} m along coordinate {axis}"
+        "no route with a gap of {gap} m: at the junction of channels {first} and {second} it must be between {least} m and {most} m along coordinate {axis}"
     )]
     GapOutOfRange {
         /// The channel before the junction.
@@ -100,8 +99,8 @@ pub enum RouteError {
         /// It must be less than this, metres.
         most: f64,
     },
-    /// Channels that are large enough meet, but without a turn.
-    #[error("no way through: channels {first} and {second} both run along coordinate {axis}")]
+    /// Large enough channels meet, but without a turn.
+    #[error("no route: channels {first} and {second} both run along coordinate {axis}")]
     Parallel {
         /// The channel before the junction.
         first: usize,
@@ -110,25 +109,27 @@ pub enum RouteError {
         /// The axis of both.
         axis: usize,
     },
-    /// The start and the end lie in parts of the free space that do not even touch, and
-    /// to look over all that lies between would take too many steps.
+    /// Start and end lie in separate parts of the free space, and a search across what lies
+    /// between would take too many steps.
     #[error(
-        "start and end lie in separate parts of the free space: {reached} of {channels} channels hang together with the start"
+        "start and end lie in separate parts of the free space: {reached} of {channels} channels are reachable from the start"
     )]
     Separate {
-        /// Channels that hang together with the start.
+        /// Channels reachable from the start, however small the junctions.
         reached: usize,
-        /// All channels.
+        /// The number of all channels.
         channels: usize,
     },
-    /// One gap per junction was given for a route that is to be found.
-    #[error("{has} gaps are given for the junctions of a route that is not known")]
+    /// Gaps per junction were given, but the route is not known yet.
+    #[error(
+        "{has} gaps are given for junctions, but the route is not known yet: give one gap for all"
+    )]
     GapPerJunction {
         /// How many were given.
         has: usize,
     },
     /// The gap is not a positive number.
-    #[error("the gap {gap} m along coordinate {axis} is not greater than {least} m")]
+    #[error("the gap along coordinate {axis} is {gap} m, it must be greater than {least} m")]
     GapNotPositive {
         /// The coordinate.
         axis: usize,
@@ -138,7 +139,9 @@ pub enum RouteError {
         least: f64,
     },
     /// [`crate::disassembly::Gap::Fraction`] outside (0, 1].
-    #[error("the part {fraction} of the greatest gap is not in ({least}, {most}]")]
+    #[error(
+        "the fraction {fraction} of the greatest gap must be greater than {least} and at most {most}"
+    )]
     FractionOutOfRange {
         /// The part asked for.
         fraction: f64,
@@ -147,8 +150,7 @@ pub enum RouteError {
         /// It must not be greater than this.
         most: f64,
     },
-    /// There are routes, but what was found out about them, by following them, is that
-    /// they are blocked.
+    /// There are routes, but following them showed all to be blocked.
     #[error("every route found is blocked")]
     Blocked,
     /// The budget ended.

@@ -1,30 +1,29 @@
-//! What following a route says about it.
+//! The judgement on a route.
 
 use crate::budget::Spent;
 use crate::driving::DrivingError;
 use crate::motion::Leg;
 
-/// What was found about a route, by following it.
+/// What following a route shows about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Judgement<T> {
     /// It can be followed.
     Accepted {
         /// The length of its path, metres.
         length: f64,
-        /// What was made of it: if the route is taken, the search returns it.
+        /// What the judge made of it, returned by the search if the route is taken.
         value: T,
     },
-    /// It can't: what stands in the way is met on the arc about this junction or the
-    /// straight line that leads to it; `None`: on the last line, to the goal.
-    /// Junctions are counted from 0 in travel order.
+    /// It is blocked on the arc about this junction or the straight line that leads to it;
+    /// `None` for the last line, to the goal. Junctions are counted from 0 in travel order.
     Blocked(Option<usize>),
-    /// It can't, and nor can any other.
+    /// Neither this route nor any other can be followed.
     Hopeless,
 }
 
 impl<T> Judgement<T> {
-    /// What the refusal of a drive says about its route; `legs` are those of the refused path.
-    /// Nothing, if the budget ended.
+    /// What an error of [`crate::driving::drive`] says about the route; `legs` are those of the
+    /// refused path. An error if the budget ended.
     pub fn of_refusal(refusal: &DrivingError, legs: &[Leg<2>]) -> Result<Self, Spent> {
         let junction_of = |leg: usize| legs.get(leg).and_then(|leg| leg.junction);
         Ok(match *refusal {

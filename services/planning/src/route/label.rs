@@ -1,4 +1,4 @@
-//! What the search for a route remembers.
+//! What the search for a route keeps.
 
 use crate::geometry::{Direction, Sign};
 use std::cmp::Ordering;
@@ -6,8 +6,8 @@ use std::cmp::Ordering;
 /// No label, or no junction.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// How a junction is passed: in which directions it is entered and left, and whether the
-/// channel before could only have the axis it has. In eight bits, for there are many.
+/// How a junction is passed: the directions in which it is entered and left, and whether the
+/// axis of the channel before was forced. Eight bits, as there are many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Way(u8);
 
@@ -29,7 +29,7 @@ impl Way {
     }
 }
 
-/// A direction among those of up to three axes, from 0.
+/// The number of a direction along one of up to three axes, from 0.
 pub(super) fn number(direction: Direction) -> u8 {
     2 * direction.axis as u8 + u8::from(direction.sign == Sign::Positive)
 }
@@ -42,9 +42,9 @@ fn direction(number: u8) -> Direction {
 /// A way from the start into a junction.
 #[derive(Debug, Clone, Copy)]
 pub struct Label<S> {
-    /// Where the traveller is there, in the terms of its motion.
+    /// Where the traveller is, in terms of its motion.
     pub(super) state: S,
-    /// Length so far, metres.
+    /// Length until there, metres.
     pub(super) length: f64,
     /// The channel before the junction.
     pub(super) channel: u32,
@@ -54,7 +54,7 @@ pub struct Label<S> {
     pub(super) before: u32,
     /// The next label of this slot.
     pub(super) next: u32,
-    /// Junctions passed.
+    /// The number of junctions passed.
     pub(super) junctions: u32,
     pub(super) way: Way,
     /// Whether another label makes it useless.
@@ -68,17 +68,17 @@ pub(super) struct Ending {
     pub(super) length: f64,
     /// The last channel.
     pub(super) channel: u32,
-    /// The last label; `NONE`: the start.
+    /// The last label; `NONE` for the start.
     pub(super) before: u32,
 }
 
 /// An open label or ending; the greatest comes first.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
-    /// Length so far and what is missing at least, metres.
+    /// Length so far plus the least that is missing, metres.
     pub(super) estimate: f64,
     pub(super) junctions: u32,
-    /// The label's slot; `NONE` for an ending.
+    /// The slot of the label; `NONE` for an ending.
     pub(super) slot: u32,
     pub(super) label: u32,
 }

@@ -7,13 +7,13 @@ use crate::budget::Spent;
 use crate::free_space::Corner;
 use std::fmt;
 
-/// A step of the search: where it leads.
+/// A step of the search.
 #[derive(Debug, Clone, Copy)]
 pub struct Step<S> {
     pub(super) state: S,
-    /// Length of the whole way there, metres.
+    /// Length of the way until there, metres.
     pub(super) length: f64,
-    /// No way that begins so and leads to the end is shorter, metres.
+    /// A lower bound on the length of any way to the end that begins so, metres.
     pub(super) estimate: f64,
 }
 
@@ -25,14 +25,14 @@ pub trait Motion<const D: usize> {
     /// Who moves.
     fn traveller(&self) -> &Traveller<D>;
 
-    /// If straight lines from junction to junction are much like this motion, so that a
-    /// route is found quickly by them: how far they pass from the corners, metres.
+    /// If straight lines from junction to junction resemble this motion, so that they find a
+    /// route quickly: how far they pass from the corners, metres.
     fn outline(&self) -> Option<f64> {
         None
     }
 
-    /// The steps from a label (`NONE`: from the start) into a junction, as far as they
-    /// can be part of a shortest way.
+    /// The steps from a label (`NONE` for the start) into a junction that can be part of a
+    /// shortest way.
     fn enter(
         &self,
         search: &Search<'_, D>,
@@ -41,8 +41,8 @@ pub trait Motion<const D: usize> {
         corner: &Corner<D>,
     ) -> Result<[Option<Step<Self::State>>; 2], Spent>;
 
-    /// The length of the whole way if the last step is from this label, out of the last
-    /// channel or to the goal, metres.
+    /// The length of the way that ends with a step from this label out of the last channel or
+    /// to the goal, metres.
     fn finish(
         &self,
         search: &Search<'_, D>,
@@ -50,8 +50,8 @@ pub trait Motion<const D: usize> {
         from: u32,
     ) -> Result<Option<f64>, Spent>;
 
-    /// Compares a new label with those of the same slot, which begin with its `next`: marks
-    /// what is useless beside it; whether it is of use itself. Counts the labels looked at.
+    /// Compares a new label with those of the same slot, beginning with its `next`. Marks those
+    /// that it makes useless; returns whether it is useful itself. Counts the comparisons.
     fn compare(
         &self,
         labels: &mut [Label<Self::State>],
@@ -60,7 +60,7 @@ pub trait Motion<const D: usize> {
     ) -> bool;
 
     /// Rules out what blocks a route that ends with the label `last` (see
-    /// [`super::Judgement::Blocked`]); false if there is nothing to rule out.
+    /// [`super::Judgement::Blocked`]); false if nothing can be ruled out.
     fn avoid(
         &mut self,
         _labels: &[Label<Self::State>],

@@ -1,11 +1,11 @@
-//! What would have to change for there to be a route.
+//! Finds out why there is no route, and what would have to change.
 
 use super::widest::{Change, Space, Unknown, extent};
 use super::{RouteError, Search};
 use crate::free_space::{Chain, ChainError};
 
-/// Of all ways over channels the one whose worst junction lacks least, and what would
-/// have to change there. `Ok`: nothing, and these channels make a chain.
+/// The error that names the worst junction on the best way. `Ok` if nothing is wrong with its
+/// junctions: then its channels, which make a chain.
 pub(super) fn why_not<const D: usize>(
     search: &Search<'_, D>,
     starts: &[usize],
@@ -20,7 +20,7 @@ pub(super) fn why_not<const D: usize>(
     let Some(junction) = way.junction else { return chained(search, way.route) };
     let (first, second) = (way.route[junction], way.route[junction + 1]);
     let (one, other) = (&channels[first], &channels[second]);
-    // Two channels that are apart have no junction: then it matters where they are so.
+    // Two channels that are apart have no junction: report where they are apart.
     let apart = |axis: &usize| extent(one, other, *axis) < 0.0;
     let lack = |axis: &usize| space.lack_along(*axis, extent(one, other, *axis)).metres;
     let axis = (0..D)
@@ -41,7 +41,7 @@ pub(super) fn why_not<const D: usize>(
     Err(RouteError::JunctionTooSmall { first, second, junction, axis, needs, has, others })
 }
 
-/// All junctions of the route are large enough: does it make a chain?
+/// The route, whose junctions are all large enough, if it makes a chain.
 fn chained<const D: usize>(
     search: &Search<'_, D>,
     route: Vec<usize>,
@@ -54,7 +54,7 @@ fn chained<const D: usize>(
         Err(ChainError::Parallel { first, second, axis }) => {
             Err(RouteError::Parallel { first: route[first], second: route[second], axis })
         }
-        // Not met: junctions are not empty.
+        // Cannot happen: junctions are not empty.
         Err(_) => Err(RouteError::NoChannels),
         Ok(()) => Ok(route),
     }

@@ -1,4 +1,4 @@
-//! What is looked for: junctions that a traveller passes, from where it is to the end.
+//! The task of a search: junctions that a traveller passes, from its start to the end.
 
 use super::label::number;
 use super::{RouteError, SIGNS, Traveller};
@@ -8,16 +8,16 @@ use crate::free_space::walls::Walls;
 use crate::free_space::{End, mouth_of};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 
-/// So many channels are looked at, for which way they lie, in the time of a step.
+/// Channels whose direction is checked in the time of one step.
 const OTHERS_PER_STEP: u64 = 4;
 
-/// What is looked for.
+/// A task for a search.
 pub struct Search<'a, const D: usize> {
     pub(super) graph: &'a Graph<D>,
     pub(super) traveller: Traveller<D>,
-    /// With an exit: where the channels that reach farthest along it end.
+    /// For an exit, where the channels that reach farthest along it end.
     pub(super) mouth: Option<HalfSpace>,
-    /// What stands in the way, where that is known beforehand.
+    /// The walls, if they are known before the search.
     pub(super) walls: Option<&'a Walls<D>>,
     pub(super) budget: &'a Budget<'a>,
 }
@@ -33,7 +33,7 @@ pub(super) fn farthest<const D: usize>(
 }
 
 impl<const D: usize> Search<'_, D> {
-    /// The channels that the traveller is in, in ascending order.
+    /// Refills `starts` with the channels that contain the traveller, in ascending order.
     pub(super) fn find_starts(&self, starts: &mut Vec<usize>) -> Result<(), RouteError> {
         let Traveller { least, greatest, .. } = &self.traveller;
         let channels = self.graph.channels();
@@ -77,8 +77,8 @@ impl<const D: usize> Search<'_, D> {
         }
     }
 
-    /// The directions in which something lies in the channel behind a slot: another
-    /// junction, or the end.
+    /// The directions, as bits, in which another junction or the end lies in the channel
+    /// behind a slot.
     pub(super) fn onwards(&self, before: usize, slot: usize) -> Result<u8, Spent> {
         let (graph, here) = (self.graph, self.graph.neighbour_at(slot));
         let directions = (0..D).flat_map(|axis| SIGNS.map(|sign| Direction { axis, sign }));
@@ -110,7 +110,7 @@ impl<const D: usize> Search<'_, D> {
     }
 }
 
-/// Whether the middle of the common part of two channels lies that way from `center`.
+/// Whether the centre of the junction of two channels lies in that direction from `center`.
 pub(super) fn lies_towards<const D: usize>(
     direction: Direction,
     center: &Vector<D>,
@@ -123,9 +123,8 @@ pub(super) fn lies_towards<const D: usize>(
     Sign::of((min + max) / 2.0 - center[axis]) == sign
 }
 
-/// The channel that the box from `min` to `max` is least outside of: the channel,
-/// the axis along which it is farthest outside, and the coordinates of its side
-/// and the channel's there.
+/// The channel that the box from `min` to `max` sticks out of least: its index, the axis along
+/// which the box sticks out most, and the coordinates of the box's and the channel's side.
 fn nearest<const D: usize>(
     channels: &[AxisBox<D>],
     min: &Vector<D>,

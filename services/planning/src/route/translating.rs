@@ -1,4 +1,4 @@
-//! A body that moves by the rules of table 1.
+//! The mover of a body: it translates by Table 1.
 
 use super::label::Label;
 use super::mover::{Motion, Step};
@@ -9,7 +9,7 @@ use crate::disassembly::{Gap, out_of_the_mouth, target};
 use crate::free_space::{Corner, End};
 use crate::geometry::{AxisBox, Vector};
 
-/// A body that translates into every junction by a rule of table 1.
+/// A body that translates into every junction by a rule of Table 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Translating<const D: usize> {
     traveller: Traveller<D>,
@@ -19,20 +19,20 @@ pub struct Translating<const D: usize> {
 /// The gap kept in a junction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Margin {
-    /// The traveller's; (3.1) must hold.
+    /// The traveller's gap; (3.1) must hold.
     Gap,
-    /// This part of the limit of (3.1).
+    /// This part of the limit in (3.1).
     Part(f64),
-    /// The limit of (3.1).
+    /// The limit in (3.1).
     Middle,
-    /// This, metres, or up to the middle.
+    /// This many metres, or the middle if there is less.
     UpTo(f64),
 }
 
 impl<const D: usize> Translating<D> {
-    /// A body in its assembled state that keeps this gap. Junctions where the gap
-    /// is not less than the limit of (3.1) are not passed. A gap per junction is
-    /// refused: which junctions there will be is not known.
+    /// A body in its assembled state that keeps this gap. It does not pass junctions where
+    /// the gap is not less than the limit in (3.1). Gaps per junction are an error, since the
+    /// junctions are not known yet.
     pub fn new(body: &AxisBox<D>, gap: Gap<'_, D>, end: End<D>) -> Result<Self, RouteError> {
         let (margin, gap) = match gap {
             Gap::Uniform(gap) => (Margin::Gap, Vector::repeat(gap)),
@@ -57,8 +57,8 @@ impl<const D: usize> Translating<D> {
         Ok(Self { traveller, margin })
     }
 
-    /// A traveller without extent that keeps this margin from the corners, in metres along
-    /// every axis, or as much as there is.
+    /// A traveller without extent that stays this far from the corners along every axis, metres,
+    /// or in the middle if there is less.
     pub(super) fn with_margin(traveller: Traveller<D>, margin: f64) -> Self {
         Self { traveller, margin: Margin::UpTo(margin) }
     }
@@ -73,7 +73,7 @@ impl<const D: usize> Translating<D> {
         }
     }
 
-    /// Where the path ends that comes from `from`.
+    /// The end of a path that comes from `from`.
     fn destination(&self, search: &Search<'_, D>, from: &Vector<D>) -> Vector<D> {
         let Traveller { least, greatest, .. } = &self.traveller;
         match (self.traveller.end, &search.mouth) {
@@ -109,7 +109,7 @@ impl<const D: usize> Motion<D> for Translating<D> {
         let gap = self.gap_in(&corner.junction);
         let (at, _) = target(corner, (least, greatest), gap.as_ref(), &from);
         let length = length + (at - from).norm();
-        // What is missing to the mouth or the goal in a straight line.
+        // The straight line to the mouth or the goal.
         let missing = (self.destination(search, &at) - at).norm();
         Ok([Some(Step { state: at, length, estimate: length + missing }), None])
     }
@@ -124,9 +124,9 @@ impl<const D: usize> Motion<D> for Translating<D> {
         Ok(Some(length + (self.destination(search, &from) - from).norm()))
     }
 
-    /// The coordinate that a rule leaves alone in three dimensions depends on
-    /// everything before. So a way is beaten only if it is longer by more than the
-    /// difference of the two places, which the other could make up for at once.
+    /// In three dimensions the idle coordinate of a rule depends on the whole way before. So a
+    /// way is beaten only if it is longer by more than the distance between the two places,
+    /// which the other could bridge at once.
     fn compare(
         &self,
         labels: &mut [Label<Vector<D>>],

@@ -1,4 +1,4 @@
-//! From junction to junction: the steps that a search looks at.
+//! The steps of a search from junction to junction.
 
 use super::label::{Ending, Entry, Label, NONE, Way, number};
 use super::search::{Search, lies_towards};
@@ -8,7 +8,7 @@ use crate::free_space::{Corner, End, all_axes, longest, proper, towards};
 use crate::geometry::Direction;
 
 impl<const D: usize, M: Motion<D>> Router<D, M> {
-    /// All first steps out of a channel that the traveller is in.
+    /// All first steps out of a channel that contains the traveller.
     pub(super) fn start_in(
         &mut self,
         search: &Search<'_, D>,
@@ -57,7 +57,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         let Some(from) = graph.channels()[before].intersection(channel) else { return Ok(()) };
         let center = from.center();
         let mine = proper(&from, channel);
-        // What the channel before needs for itself.
+        // The axis that the channel before needs.
         let taken = if label.way.is_forced() { 1 << approach.axis } else { 0 };
 
         if search.ends_in(here) {
@@ -98,7 +98,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         Ok(())
     }
 
-    /// Opens the label of a step into a junction, if it is of use.
+    /// Opens the label of a step into a junction, if it is useful.
     fn enter(
         &mut self,
         search: &Search<'_, D>,
@@ -119,7 +119,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             return Ok(()); // A dead end.
         }
         let steps = motion.enter(search, &self.labels, before, corner)?.into_iter().flatten();
-        // Numbers that overflow can't be compared, and would go round for ever.
+        // Overflowing numbers do not compare, and the search would not end.
         for step in steps.filter(|step| step.estimate.is_finite()) {
             let label = Label {
                 state: step.state,
@@ -144,7 +144,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         Ok(())
     }
 
-    /// Opens the way out of the last channel, or to the goal.
+    /// Opens the ending out of the last channel or to the goal.
     fn finish(
         &mut self,
         search: &Search<'_, D>,

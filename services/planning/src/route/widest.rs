@@ -1,5 +1,5 @@
-//! The widest way: of all ways over channels, those that are apart included, the one
-//! whose worst junction lacks least.
+//! The widest way: of all ways over channels, even those apart, the one whose worst junction
+//! falls short least.
 
 use super::Traveller;
 use crate::budget::{Budget, Cap, Held, Spent};
@@ -8,37 +8,37 @@ use crate::geometry::{AxisBox, Vector};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// What ways lead over.
+/// The channels that ways lead over.
 pub(super) struct Space<'a, const D: usize> {
     pub(super) channels: &'a [AxisBox<D>],
-    /// Over the channels.
+    /// Indexes the channels.
     pub(super) tree: &'a BoxTree<D>,
     pub(super) traveller: &'a Traveller<D>,
-    /// Between solids: what a channel itself must exceed, metres; and between channels that
-    /// do not meet there is a wall. Without, they have too small a junction, of negative
-    /// extent, and all channels will do.
+    /// Between solids, the extent that a channel itself must exceed, metres; channels that do not
+    /// meet have a wall between them. `None` for given channels: any will do, and those that do
+    /// not meet have a junction of negative extent.
     pub(super) room: Option<Vector<D>>,
 }
 
-/// What has to change for a junction to be passed, the least first.
+/// What has to change to pass a junction, from the least to the most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Change {
     Nothing,
-    /// The gap: the body passes without (3.1).
+    /// The gap: the body passes but for (3.1).
     Gap,
-    /// The junction: the body does not pass by (2.5).
+    /// The junction: the body does not fit by (2.5).
     Junction,
     /// The wall between.
     Wall,
 }
 
-/// By how much the junction of two channels is too small.
+/// By how much a junction falls short.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lack {
     pub(super) change: Change,
-    /// What is missing, metres, not less than 0; of a wall what is too much, if that is more.
+    /// What is missing, metres, at least 0; for a wall its thickness, if that is more.
     pub(super) metres: f64,
-    /// Along which axis most.
+    /// The axis along which it is most.
     pub(super) axis: usize,
 }
 
@@ -55,24 +55,24 @@ impl Lack {
     }
 }
 
-/// A way.
+/// A way over channels.
 #[derive(Debug)]
 pub(super) struct Way {
     /// Channels in travel order.
     pub(super) route: Vec<usize>,
-    /// What its worst junction lacks. No way has a better worst one.
+    /// The shortfall of its worst junction. No way has a better worst junction.
     pub(super) lack: Lack,
-    /// Which junction that is, in travel order; the first of equals. None where
-    /// there is none that lacks anything.
+    /// The index of that junction in travel order, the first of equals; `None` if no junction
+    /// falls short.
     pub(super) junction: Option<usize>,
-    /// How many of its other junctions are too small, too: as few as can be.
+    /// How many of its other junctions fall short: as few as possible.
     pub(super) others: usize,
 }
 
 /// Why no way is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unknown {
-    /// So many channels hang together with the start.
+    /// The end is not reachable from the start, but this many channels are.
     Separate { reached: usize },
     /// The budget ended.
     Spent(Spent),
@@ -84,11 +84,11 @@ impl From<Spent> for Unknown {
     }
 }
 
-/// What a way so far is judged by.
+/// The cost of a way so far.
 #[derive(Debug, Clone, Copy)]
 struct Key {
     lack: Lack,
-    /// Junctions that are too small.
+    /// The number of junctions that fall short.
     short: usize,
     channels: usize,
 }
@@ -127,11 +127,11 @@ impl PartialEq for Reached {
 
 impl Eq for Reached {}
 
-/// The first reach over gaps is at least this part of everything, so that few doublings
-/// will do.
+/// The first reach across gaps is at least this part of the whole extent, so that few doublings
+/// are needed.
 const PART: f64 = 1.0 / 1048576.0;
 
-/// Of every channel the best way there, the channel before, and whether it is done with.
+/// For every channel: the best way there, the channel before, and whether it is done.
 const BYTES_PER_CHANNEL: usize = size_of::<(Option<Key>, Option<usize>, bool)>();
 
 /// Whether only this search has come to its end, and what was found before still stands.
@@ -139,27 +139,25 @@ pub(super) fn is_of_the_search(spent: &Spent) -> bool {
     matches!(spent, Spent::Limit { cap: Cap::RouteSteps | Cap::Bytes, .. })
 }
 
-/// More than what sums of two numbers are rounded by, as a part of them.
+/// More than the relative rounding of a sum of two numbers.
 const ROUNDING: f64 = 1e-12;
 
-/// The common extent of two boxes along an axis; negative if they are apart.
+/// The common extent of two boxes along an axis, metres; negative if they are apart.
 pub(super) fn extent<const D: usize>(one: &AxisBox<D>, other: &AxisBox<D>, axis: usize) -> f64 {
     one.max()[axis].min(other.max()[axis]) - one.min()[axis].max(other.min()[axis])
 }
 
 impl<const D: usize> Space<'_, D> {
-    /// Finds the widest way from any of `starts` (ascending) to a channel that is an
-    /// end, looking at no more pairs of channels than [`Cap::RouteSteps`]. Of equal ways
-    /// it is the one with the fewest junctions that are too small, then with the fewest
-    /// channels, then with the lowest index.
+    /// Finds the widest way from any of `starts` (ascending) to a channel that is an end,
+    /// looking at no more than [`Cap::RouteSteps`] pairs of channels. Ties go to the fewest
+    /// junctions that fall short, then to the fewest channels, then to the lowest index.
     ///
-    /// It is a shortest-path search where a way is as long as its worst junction. All
-    /// pairs of channels would be too many, so it looks only at those that are no
-    /// farther apart than a reach along any axis. A pair that is farther apart lacks
-    /// more than [`Space::reach_for`] says; so if what was found needs no more than the
-    /// reach, no pair left out is part of a better way, and if it needs more, then
-    /// with that reach nothing better is left out. Until something is found, the
-    /// reach is doubled.
+    /// This is a shortest-path search in which a way is as long as its worst junction. As all
+    /// pairs of channels would be too many, it looks only at those no farther apart than a reach
+    /// along any axis. A pair farther apart falls short by more than [`Space::reach_for`] says.
+    /// So if the result needs no more than the reach, no better way was left out; if it needs
+    /// more, a search with that reach leaves none out. Until there is a result, the reach
+    /// doubles.
     pub(super) fn widest_way(
         &self,
         starts: &[usize],
@@ -178,7 +176,7 @@ impl<const D: usize> Space<'_, D> {
                 Ok((lack, route)) => {
                     let needed = self.reach_for(&lack);
                     if needed <= reach {
-                        // The same, now that what must be borne is known.
+                        // Again, now that the worst shortfall is known.
                         let route = match search(lack) {
                             Ok((_, better)) => better,
                             Err(Unknown::Spent(spent)) if !is_of_the_search(&spent) => {
@@ -202,7 +200,7 @@ impl<const D: usize> Space<'_, D> {
                     return Err(spent.into());
                 }
                 Err(unknown) => {
-                    // What was found is a way, though there may be a better one.
+                    // The result is a way, though there may be a better one.
                     return match (best, connected) {
                         (Some((_, route)), _) => Ok(self.along(route)),
                         (None, Some(reached)) => Err(Unknown::Separate { reached }),
@@ -213,8 +211,7 @@ impl<const D: usize> Space<'_, D> {
         }
     }
 
-    /// How much the junction of two channels lacks; if several axes do, the worst of
-    /// them, the first of equals.
+    /// The shortfall of the junction of two channels along its worst axis, the first of equals.
     pub(super) fn lack(&self, one: &AxisBox<D>, other: &AxisBox<D>) -> Lack {
         let mut worst = NOTHING;
         let (mut apart, mut most_apart) = (0.0_f64, None);
@@ -227,8 +224,7 @@ impl<const D: usize> Space<'_, D> {
         }
         match most_apart {
             None => worst,
-            // An opening must be large enough across as well, as far as the axes
-            // along which they are not apart say.
+            // An opening must also be large enough along the axes on which they are not apart.
             Some(axis) => {
                 let across = (0..D)
                     .filter(|axis| extent(one, other, *axis) > 0.0)
@@ -240,7 +236,7 @@ impl<const D: usize> Space<'_, D> {
         }
     }
 
-    /// How much a junction with this extent lacks along an axis.
+    /// The shortfall along an axis of a junction with this extent.
     pub(super) fn lack_along(&self, axis: usize, has: f64) -> Lack {
         let (needs, with_gap) = self.traveller.needs_along(axis);
         let (change, metres) = if has <= needs {
@@ -253,7 +249,7 @@ impl<const D: usize> Space<'_, D> {
         Lack { change, metres: metres.max(0.0), axis }
     }
 
-    /// How much a channel lacks in which a way begins. What others lack, their junctions do.
+    /// The shortfall of a channel in which a way begins. That of others shows in their junctions.
     pub(super) fn lack_of(&self, channel: &AxisBox<D>) -> Lack {
         let Some(room) = self.room else { return NOTHING };
         let size = channel.size();
@@ -265,11 +261,11 @@ impl<const D: usize> Space<'_, D> {
         lacks.fold(NOTHING, Lack::or_worse)
     }
 
-    /// Pairs that are farther apart than this along any axis lack more.
+    /// Pairs farther apart than this along any axis fall short by more, metres.
     fn reach_for(&self, lack: &Lack) -> f64 {
         let apart = match lack.change {
             Change::Nothing | Change::Gap => 0.0,
-            // A pair that is apart along an axis lacks what is needed there, and more.
+            // A pair that is apart along an axis falls short by more than what is needed there.
             Change::Junction if self.room.is_some() => 0.0,
             Change::Junction => (lack.metres - self.least_need()).max(0.0),
             Change::Wall => lack.metres,
@@ -282,15 +278,15 @@ impl<const D: usize> Space<'_, D> {
         needs.fold(f64::INFINITY, f64::min).max(0.0)
     }
 
-    /// The greatest extent of all channels together, along any axis.
+    /// The greatest extent of all channels together along any axis, metres.
     fn greatest_extent(&self) -> f64 {
         let corners = self.channels.iter().map(|channel| (channel.min(), channel.max()));
         let all = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
         all.map_or(0.0, |(min, max)| (max - min).max())
     }
 
-    /// The best way over pairs that are no farther apart than the reach, all ways
-    /// being taken as at least as bad as the floor.
+    /// The best way over pairs no farther apart than the reach. All ways count as at least as
+    /// bad as the floor.
     fn search(
         &self,
         starts: &[usize],

@@ -1,5 +1,5 @@
-//! A body that turns while it moves on a line, as the paper's robot does on its
-//! way to the first arriving point.
+//! A body that turns while it moves on a line, as the paper's robot does on the way to the
+//! first arriving point.
 
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND};
@@ -10,9 +10,9 @@ use crate::geometry::{Vector, rotated, unit, unrotated};
 
 /// A line on which the heading turns evenly. Progress runs from 0 to 1.
 ///
-/// The search divides the progress until no part can hold a distance that is
-/// less than the least one seen by more than [`TURNING_WHILE_MOVING_BOUND`].
-/// What a part can hold is bounded twice:
+/// The search bisects the progress until no part can hold a distance that is less than the
+/// least one seen by more than [`TURNING_WHILE_MOVING_BOUND`]. Two bounds hold on each
+/// part:
 ///
 /// 1. No point of the body moves farther than (length + half diagonal * |turned|)
 ///    per unit of progress.
@@ -35,7 +35,7 @@ pub(super) struct Moving {
 /// A part of the way takes as long as so many looks at a wall.
 const STEPS_PER_PART: u64 = 8;
 
-/// The body at one moment, and what the bounds need to know about it.
+/// The body at one moment, with what the bounds need.
 struct Placed {
     progress: f64,
     /// Body corners in the wall's frame.
@@ -90,7 +90,7 @@ impl Moving {
         self.refine(wall, (&start, &end), &bend, met, budget)
     }
 
-    /// Looks for lesser distances between two placements.
+    /// Looks for smaller distances between two placements.
     fn refine(
         &self,
         wall: &Wall<2>,
@@ -131,7 +131,7 @@ impl Moving {
         self.refine(wall, (&middle, b), bend, met, budget)
     }
 
-    /// The body after a part of the way; its distance is offered.
+    /// Places the body at this progress and offers its distance.
     fn placed(&self, wall: &Wall<2>, progress: f64, met: &mut Met) -> Placed {
         let position = self.from + self.travel * progress;
         let heading = unit(self.start_heading + self.turned * progress);

@@ -42,7 +42,7 @@ impl Segment {
         Self { from, span, inverse_length: if length > 0.0 { 1.0 / length } else { 0.0 } }
     }
 
-    /// The wall seen in the frame at `origin` with its x axis along `heading`.
+    /// The wall in the frame at `origin` with its x axis along `heading`.
     pub(super) fn seen(wall: &Wall<2>, origin: &Vector<2>, heading: &Vector<2>) -> Self {
         Self::between(
             unrotated(&(wall.from - origin), heading),
@@ -54,7 +54,7 @@ impl Segment {
         self.from + self.span * t
     }
 
-    /// The same segment turned back by the angle of the unit vector `by`.
+    /// The same segment rotated back by the angle of the unit vector `by`.
     pub(super) fn unrotated(&self, by: &Vector<2>) -> Self {
         Self {
             from: unrotated(&self.from, by),
@@ -63,13 +63,13 @@ impl Segment {
         }
     }
 
-    /// Parameter of the foot of the perpendicular from `point`, not clamped.
+    /// Parameter of the foot of the perpendicular from `point`; may lie outside [0, 1].
     pub(super) fn foot(&self, point: &Vector<2>) -> f64 {
         (point - self.from).dot(&self.span) * self.inverse_length * self.inverse_length
     }
 
-    /// Offers the distances among which the least between this segment and the
-    /// rectangle is, unless it exceeds `limit`: (distance, parameter).
+    /// Offers candidates for the least distance between this segment and the rectangle, each
+    /// as (distance, parameter), unless it exceeds `limit`.
     pub(super) fn meet(&self, body: &Rectangle, limit: f64, mut offer: impl FnMut(f64, f64)) {
         let from = self.from - body.center;
         let to = from + self.span;

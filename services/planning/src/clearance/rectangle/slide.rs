@@ -5,7 +5,7 @@ use super::{Footprint, Met, TIE};
 use crate::free_space::walls::Wall;
 use crate::geometry::{Vector, unit};
 
-/// A line travelled along the heading, or a placement if its length is 0.
+/// A line travelled along the heading; of length 0, a body at rest.
 pub(super) struct Slide {
     from: Vector<2>,
     heading: Vector<2>,
@@ -44,7 +44,7 @@ impl Slide {
     pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {
         let segment = Segment::seen(wall, &self.from, &self.heading);
         segment.meet(&self.swept, met.value + TIE, |distance, t| {
-            // The wall point comes beside the body when the front edge reaches it.
+            // The wall point is nearest from when the front edge reaches it.
             let ahead = segment.at(t).x - self.half_length;
             let along = if ahead <= 0.0 { 0.0 } else { (ahead / self.length).min(1.0) };
             met.offer(distance, along, wall.from + (wall.to - wall.from) * t);

@@ -1,5 +1,5 @@
-//! A body that turns rigidly about a centre: an arc of a guiding circle, or, with
-//! radius 0, a turn in place.
+//! A body that turns rigidly about a centre: along an arc of a guiding circle or, with
+//! radius 0, in place.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,16 +10,16 @@ use crate::free_space::walls::Wall;
 use crate::geometry::distance::cross;
 use crate::geometry::{Sign, Vector, rotated, unit, unrotated};
 
-/// The motion in the frame of the body half-way: origin at the centre of the
-/// turn, x axis along the heading. There the angle turned runs from `-half` to
-/// `half` (or back), so that "within the sweep" is one comparison of cosines.
+/// The motion in the frame of the body half-way: origin at the centre of the turn, x axis
+/// along the heading. The angle turned then runs from minus to plus half the sweep (or
+/// back), so one comparison of cosines tells whether an angle is within the sweep.
 pub(super) struct Swing {
     center: Vector<2>,
     middle: Vector<2>,
     body: Rectangle,
     corners: [Vector<2>; 4],
-    /// Distances of the corners from the centre: the two on the side towards the
-    /// centre, then the two on the other.
+    /// Distances of the corners from the centre: of the two near ones, then of the two far
+    /// ones.
     radii: [f64; 2],
     /// The unit vector at half of the sweep's size.
     half: Vector<2>,
@@ -84,8 +84,8 @@ impl Swing {
         }
     }
 
-    /// A box around the swept set: the placements at both ends, and how far a
-    /// corner's circle bulges over its chord.
+    /// A box around the swept set: around both end placements, enlarged by how far a corner's
+    /// circle bulges over its chord.
     pub(super) fn bounds(&self) -> (Vector<2>, Vector<2>) {
         let conjugate = Vector::<2>::new(self.half.x, -self.half.y);
         let ends = [self.half, conjugate].map(|turn| {
@@ -108,7 +108,7 @@ impl Swing {
             ends,
             segment,
         };
-        // The body stays between two circles; the wall may be far from both.
+        // The body stays between two circles, far from which the wall may be.
         let nearest = if seen.crosses() { seen.line } else { seen.lengths[0].min(seen.lengths[1]) };
         let farthest = seen.lengths[0].max(seen.lengths[1]);
         if !met.wants((nearest - self.radii[1]).max(self.inner - farthest)) {
@@ -123,7 +123,7 @@ impl Swing {
         }
     }
 
-    /// The placements in which the motion begins and ends.
+    /// The body at the start and at the end of the motion.
     fn placements(&self, wall: &Wall<2>, seen: &Seen, met: &mut Met) {
         let to_end = Vector::<2>::new(self.half.x, self.sense.factor() * self.half.y);
         let to_start = Vector::<2>::new(to_end.x, -to_end.y);
@@ -172,8 +172,8 @@ impl Swing {
         }
     }
 
-    /// A wall end, which runs on a circle in the body's frame, against the
-    /// body's edges.
+    /// An end of the wall, which moves on a circle in the body's frame, against the edges
+    /// of the body.
     fn wall_end_to_edges(&self, wall: &Wall<2>, seen: &Seen, index: usize, met: &mut Met) {
         let (end, length, t) = (&seen.ends[index], seen.lengths[index], index as f64);
         if length == 0.0 || length > self.radii[1] {
@@ -207,8 +207,8 @@ impl Swing {
         }
     }
 
-    /// Offers a distance that occurs after the turn by the angle of the unit
-    /// vector `turn` from half-way, if that lies within the sweep.
+    /// Offers a distance that occurs at the angle of the unit vector `turn` from half-way, if
+    /// that is within the sweep.
     fn offer(&self, wall: &Wall<2>, distance: f64, turn: &Vector<2>, t: f64, met: &mut Met) {
         if turn.x < self.half.x || !met.wants(distance) {
             return;
@@ -232,7 +232,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// Whether the centre's foot lies on the wall itself.
+    /// Whether the foot lies between the ends of the wall.
     fn crosses(&self) -> bool {
         0.0 < self.foot && self.foot < 1.0
     }

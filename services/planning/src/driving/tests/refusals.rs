@@ -105,7 +105,7 @@ fn narrow_corridor_names_the_width_it_needs() {
     assert_eq!(error, DrivingError::CornerTooNarrow { corner: 0, has: 1.1, needs: 1.25 });
     assert_eq!(
         error.to_string(),
-        "corner 0: the corridors are 1.1000 m wide, this footprint needs more than 1.2500 m to turn"
+        "corner 0: the corridors are 1.1000 m wide, the robot needs more than 1.2500 m to turn"
     );
     accepted(&scene(1.26), 0.005);
 }

@@ -1,10 +1,10 @@
-//! The coordinates along an axis by their ranks, and the solids' sides there.
+//! Ranks of the coordinates along an axis, and the sides of solids at each rank.
 
 use super::part::{Part, RankedSolid};
 use crate::geometry::Sign;
 
-/// Everything that is compared along an axis is compared by rank: of two coordinates
-/// the greater one has the greater rank, equal ones have the same.
+/// Coordinates along an axis are compared by rank: the greater one has the greater rank,
+/// equal ones have the same.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Axis {
     /// The coordinate of each rank, metres.
@@ -16,14 +16,14 @@ pub(super) struct Axis {
 
 #[derive(Debug, Clone, Default)]
 struct Sides {
-    /// Where the solids of each rank begin, and where those of the last end.
+    /// Where the solids of each rank begin, and where those of the last one end.
     begins: Vec<u32>,
     solids: Vec<u32>,
 }
 
 impl Axis {
-    /// Ranks the extents of the solids and, behind them, of the bounds. Calls `ranked`
-    /// with the number of an extent, which of its ends, and the end's rank.
+    /// Ranks the extents of the solids and, last, of the bounds. Calls `ranked` with the index
+    /// of each extent, which of its ends, and the rank of that end.
     pub(super) fn rank(
         &mut self,
         extents: impl Iterator<Item = (f64, f64)>,
@@ -45,7 +45,7 @@ impl Axis {
         }
     }
 
-    /// Sorts the solids' sides by rank; the greatest number of them in one place.
+    /// Sorts the sides of the solids by rank; returns the most at one rank.
     pub(super) fn sort_sides<const D: usize>(
         &mut self,
         solids: &[RankedSolid<D>],
@@ -76,10 +76,9 @@ impl Axis {
         self.coordinates[rank as usize]
     }
 
-    /// The solids whose side towards a part lies where that has its own, in
-    /// ascending order.
+    /// The solids whose facing side is at the rank of a part's side, in ascending order.
     pub(super) fn facing(&self, sign: Sign, rank: u32) -> &[u32] {
-        // The part's greatest side meets a solid's least.
+        // The greatest side of a part meets the least side of a solid.
         let sides = match sign {
             Sign::Negative => &self.greatest,
             Sign::Positive => &self.least,
@@ -105,7 +104,7 @@ impl Sides {
             end += *begin;
             *begin = end;
         }
-        // Filled in from the end of each rank's part down to its begin.
+        // Filled in backwards, from the end of each rank's range.
         self.solids.clear();
         self.solids.resize(solids.len(), 0);
         for (index, solid) in solids.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! The boxes considered at one time, in an index of those that a solid reaches into.
+//! The candidates of the sweep, indexed so that a solid finds those it reaches into.
 
 use super::part::Part;
 use crate::budget::{Budget, Cap, Spent};
@@ -6,12 +6,12 @@ use crate::geometry::Sign;
 
 const NONE: u32 = u32::MAX;
 
-/// So many in a leaf, it is split.
+/// A leaf with more candidates is split.
 const MANY: u32 = 16;
 
-/// Candidates in a tree over where their sides are across the axes other than the
-/// sweep's: each node halves the range of one of these, and knows a box around all its
-/// candidates. (Of two that no such side tells apart, one would contain the other.)
+/// A tree over the places of the candidates' sides along the axes other than the sweep's.
+/// Each node halves the range of one side and knows the box around its candidates. (If all
+/// these sides were equal for two candidates, one would contain the other.)
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates<const D: usize> {
     nodes: Vec<Node<D>>,
@@ -25,13 +25,13 @@ pub(super) struct Candidates<const D: usize> {
 struct Node<const D: usize> {
     around: Part<D>,
     count: u32,
-    /// In a leaf the first candidate; otherwise the first of two children, the less.
+    /// The first candidate of a leaf; otherwise the lower of two adjacent children.
     first: u32,
-    /// What the children differ in; `None` in a leaf.
+    /// The side by which the children differ; `None` in a leaf.
     split: Option<Split>,
 }
 
-/// The range of a side is halved here.
+/// Where the range of a side is halved.
 #[derive(Debug, Clone, Copy)]
 struct Split {
     axis: u16,
@@ -63,7 +63,7 @@ impl Split {
 }
 
 impl<const D: usize> Candidates<D> {
-    /// Forgets all, keeping the memory.
+    /// Removes all candidates; the memory is kept.
     pub(super) fn clear(&mut self) {
         self.nodes.clear();
         self.nodes.push(Node::EMPTY);
@@ -82,7 +82,7 @@ impl<const D: usize> Candidates<D> {
         self.nodes.capacity() * size_of::<Node<D>>() + candidates
     }
 
-    /// Adds a part of `bounds`, unless there are as many as [`Cap::Channels`] already.
+    /// Adds a part of `bounds`, unless there are already [`Cap::Channels`].
     pub(super) fn insert(
         &mut self,
         part: Part<D>,
@@ -90,7 +90,7 @@ impl<const D: usize> Candidates<D> {
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
         let candidate = self.store(part, budget)?;
-        // Where each side can be: its least, and its greatest place.
+        // The least and the greatest place of each side.
         let mut least = Part { min: bounds.min, max: bounds.min };
         let mut greatest = Part { min: bounds.max, max: bounds.max };
         let mut node = 0;
@@ -110,8 +110,8 @@ impl<const D: usize> Candidates<D> {
         budget.step(1)
     }
 
-    /// Calls `taken` with all that a solid reaches into, which are candidates no longer;
-    /// returns how many nodes and candidates were looked at.
+    /// Moves to `taken` all candidates that a solid reaches into; returns how many nodes and
+    /// candidates were looked at.
     pub(super) fn take(&mut self, solid: &Part<D>, taken: &mut Vec<Part<D>>) -> usize {
         self.take_from(0, solid, taken)
     }
@@ -131,7 +131,7 @@ impl<const D: usize> Candidates<D> {
         index.ok_or(most)
     }
 
-    /// Puts a candidate that is counted already into a leaf.
+    /// Links a candidate, already counted, into a leaf.
     fn link(&mut self, leaf: usize, candidate: u32) {
         self.candidates[candidate as usize].next = self.nodes[leaf].first;
         self.nodes[leaf].first = candidate;

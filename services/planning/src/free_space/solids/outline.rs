@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy)]
 struct Upright {
     x: f64,
-    /// Ranks of its ends among the outline's second coordinates.
+    /// Ranks of its ends among the second coordinates of the outline.
     low: usize,
     high: usize,
     /// By how much the winding number grows from left to right.
@@ -22,18 +22,17 @@ struct Upright {
 #[derive(Debug, Clone, Copy)]
 struct Range {
     winding: i32,
-    /// From which first coordinate on it has this winding number.
+    /// The first coordinate from which on it has this winding number.
     since: f64,
 }
 
 /// An edge, a height and an upright for each step of an edge, and ranges.
 const BYTES_PER_STEP: usize = 96;
 
-/// Sorting a step of an edge takes as long as so many steps of the budget.
+/// Steps of the budget that sorting one step of an edge takes.
 const STEPS_PER_STEP: u64 = 8;
 
-/// Appends boxes whose union is the polygon, slanted edges replaced by steps
-/// outside of it.
+/// Appends boxes whose union is the polygon with slanted edges replaced by steps outside it.
 pub(super) fn cut(
     vertices: &[Vector<2>],
     tolerance: f64,
@@ -44,7 +43,7 @@ pub(super) fn cut(
     if steps.is_nan() {
         return Err(SolidsError::ToleranceNotPositive { tolerance, least: 0.0 });
     }
-    // Saturates, where steps are more than can be counted.
+    // Saturates if there are more steps than can be counted.
     budget.check(Cap::Pieces, boxes.len().saturating_add((steps / 2.0) as usize))?;
     let _held = Held::new(budget, (steps as usize).saturating_mul(BYTES_PER_STEP))?;
     budget.step((steps as u64).saturating_mul(STEPS_PER_STEP))?;
@@ -57,7 +56,7 @@ pub(super) fn cut(
     let mut uprights: Vec<Upright> = edges(&outline)
         .filter(|(a, b)| a[0] == b[0] && a[1] != b[1])
         .map(|(a, b)| {
-            // The inside is to the left of an edge.
+            // The inside is on the left of an edge.
             let step = if b[1] < a[1] { 1 } else { -1 };
             let (low, high) = (rank(a[1].min(b[1])), rank(a[1].max(b[1])));
             Upright { x: a[0], low, high, step }
@@ -94,7 +93,7 @@ pub(super) fn cut(
             let winding = range.winding + upright.step;
             ranges.insert(low, Range { winding, since: upright.x });
         }
-        // Neighbours that are the same from here on become one.
+        // Merge neighbours that are the same from here on.
         let mut before = ranges.range(..upright.low).next_back().map(|(_, range)| *range);
         for (low, _) in &within {
             let Some(range) = ranges.get(low).copied() else { continue };
@@ -112,7 +111,7 @@ fn same(a: &Range, b: &Range) -> bool {
     a.winding == b.winding && (a.winding == 0 || a.since == b.since)
 }
 
-/// How many steps replace an edge; not a number if that takes a tolerance.
+/// The number of steps that replace an edge; NaN if that takes a tolerance.
 fn steps_of(along: &Vector<2>, tolerance: f64) -> f64 {
     let least = along[0].abs().min(along[1].abs());
     if least == 0.0 {
@@ -124,18 +123,17 @@ fn steps_of(along: &Vector<2>, tolerance: f64) -> f64 {
     }
 }
 
-/// The outline, counter-clockwise, with edges parallel to the axes only.
+/// The outline, counter-clockwise, with axis-parallel edges only.
 ///
-/// The new outline's winding number is that of the polygon plus one for every
-/// triangle added outside an edge, so that it is positive exactly in the union,
-/// even where steps reach over other edges.
+/// Its winding number is that of the polygon plus one for every triangle added outside an
+/// edge, so it is positive exactly in their union, even where steps reach over other edges.
 fn stairs(vertices: &[Vector<2>], tolerance: f64) -> Vec<Vector<2>> {
     let count = vertices.len();
     let less = |i: &usize, j: &usize| {
         let (a, b) = (vertices[*i], vertices[*j]);
         a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
     };
-    // At an extreme vertex the polygon turns as it does as a whole.
+    // At an extreme vertex the polygon turns in its own sense.
     let extreme = (0..count).min_by(less).unwrap_or(0);
     let (before, after) = ((extreme + count - 1) % count, (extreme + 1) % count);
     let turn = side_of_line(&vertices[before], &vertices[extreme], &vertices[after]);
@@ -152,7 +150,7 @@ fn stairs(vertices: &[Vector<2>], tolerance: f64) -> Vec<Vector<2>> {
     outline
 }
 
-/// Appends the points from `a` on to before `b`, which has the outside to its right.
+/// Appends the points from `a` to before `b`, with the outside on the right.
 fn push_stairs(a: &Vector<2>, b: &Vector<2>, tolerance: f64, outline: &mut Vec<Vector<2>>) {
     outline.push(*a);
     let along = b - a;
@@ -160,7 +158,7 @@ fn push_stairs(a: &Vector<2>, b: &Vector<2>, tolerance: f64, outline: &mut Vec<V
         return;
     }
     let count = steps_of(&along, tolerance) - 1.0;
-    // Points between are moved out by more than they can be rounded in.
+    // Points between are moved outwards by more than rounding could move them inwards.
     let outwards = -along[0].signum();
     let rounding = 4.0 * f64::EPSILON * (a[1].abs() + b[1].abs());
     let mut from = *a;

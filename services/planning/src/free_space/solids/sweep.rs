@@ -1,15 +1,13 @@
-//! All maximal free boxes, found by taking the solids one by one.
+//! All maximal free boxes, found by a sweep over the solids.
 //!
-//! The solids come in the order of where they begin along the last axis, the
-//! sweep's. At every moment the *candidates* are the maximal boxes that are free
-//! of the solids taken so far and reach to the far end of the bounds. A solid
-//! that reaches into a candidate leaves of it: the part before the solid, which
-//! no later solid can reach into and which is therefore a channel; the parts to
-//! its sides; and the part behind it. A part counts only if it is still maximal,
-//! that is, if a solid (or the bounds) touches each of its sides; otherwise the
-//! box that it can be extended to is found from another candidate. No box is
-//! found twice: of two candidates that leave the same part, one would contain the
-//! other.
+//! Solids are taken in the order in which they begin along the last axis. The *candidates*
+//! are the maximal boxes that are free of the solids taken so far and reach to the far end
+//! of the bounds. A solid that reaches into a candidate splits it: into the part before the
+//! solid, which no later solid can reach into and which is therefore a channel; the parts
+//! beside it; and the part behind it. A part counts only if it is still maximal, that is,
+//! if a solid or the bounds touch each of its sides; otherwise the box that it can be
+//! extended to comes from another candidate. No box is found twice: if two candidates left
+//! the same part, one would contain the other.
 
 use super::axis::Axis;
 use super::candidates::Candidates;
@@ -18,10 +16,10 @@ use crate::budget::{Budget, Cap, Held, Spent};
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 
-/// Up to so many solids are looked at without the index.
+/// Up to this many solids are checked without the index.
 const FEW: usize = 16;
 
-/// Sorting a thing takes as long as so many looks at one.
+/// Looks at a box that sorting one takes.
 const SORTING: u64 = 4;
 
 /// Reusable memory.
@@ -30,12 +28,12 @@ pub(super) struct Sweep<const D: usize> {
     solids: Vec<RankedSolid<D>>,
     axes: Vec<Axis>,
     ends: Vec<(f64, u32)>,
-    /// Over the solids, where some side has more than a few in one place.
+    /// Over the solids, if more than a few sides lie in one place.
     tree: BoxTree<D>,
     candidates: Candidates<D>,
     hit: Vec<Part<D>>,
     found: Vec<Part<D>>,
-    /// Boxes looked at, and not drawn from the budget yet.
+    /// Boxes looked at and not yet drawn from the budget.
     steps: usize,
 }
 
@@ -67,7 +65,7 @@ impl<const D: usize> Sweep<D> {
         budget.step(SORTING * self.found.len() as u64)?;
         self.found.sort_unstable();
         let corner = |ranks: &[u32; D]| Vector::from_fn(|axis, _| self.axes[axis].at(ranks[axis]));
-        // Their extents are positive, so this does not fail.
+        // Cannot fail: extents are positive.
         let boxes =
             self.found.iter().flat_map(|part| AxisBox::new(corner(&part.min), corner(&part.max)));
         channels.extend(boxes);
@@ -118,7 +116,7 @@ impl<const D: usize> Sweep<D> {
             }
             self.draw(budget, held)?;
         }
-        // What is left is a channel up to the far end of the bounds.
+        // What is left are channels up to the far end of the bounds.
         self.hit.clear();
         self.candidates.take(bounds, &mut self.hit);
         for position in 0..self.hit.len() {
@@ -127,8 +125,8 @@ impl<const D: usize> Sweep<D> {
         Ok(())
     }
 
-    /// The solids in the order of the sweep, cut off at the bounds, each once; the
-    /// bounds themselves.
+    /// Takes in the solids in the order of the sweep, clipped to the bounds, each once;
+    /// returns the bounds.
     fn take_in(
         &mut self,
         solids: &[AxisBox<D>],
@@ -215,11 +213,11 @@ impl<const D: usize> Sweep<D> {
         Ok(())
     }
 
-    /// Whether a part left by the solid `newest` is held on every side by a solid
-    /// taken so far or by the bounds.
+    /// Whether a part left by the solid `newest` is touched on every side by a solid taken so
+    /// far or by the bounds.
     ///
-    /// Known without looking are the sides across `cut`, where it was cut, and,
-    /// if that is not the sweep's axis, the far one.
+    /// The sides across `cut`, where it was cut, need no check, nor does the far side along
+    /// the sweep.
     fn is_held(
         &mut self,
         part: &Part<D>,
@@ -253,7 +251,7 @@ impl<const D: usize> Sweep<D> {
         }
         let facing = self.axes[axis].facing(sign, at);
         if facing.len() <= FEW {
-            // A solid that reaches further would reach into the part.
+            // A solid that reached further would reach into the part.
             let touches = |index: &u32| {
                 let solid = &self.solids[*index as usize].part;
                 *index as usize <= newest

@@ -1,4 +1,4 @@
-//! Walls where nothing but channels is free: the boundary of the union (2.3).
+//! Walls where only channels are free: the boundary of their union (2.3).
 
 use super::{FEW, Wall, Walls};
 use crate::budget::{Budget, Held, Spent};
@@ -7,22 +7,22 @@ use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 use std::cmp::Ordering;
 
-/// An uncovered part of a channel's side.
+/// An uncovered part of a side of a channel.
 #[derive(Debug, Clone, Copy)]
 struct Piece<const D: usize> {
-    /// The axis across which it lies.
+    /// The axis to which it is perpendicular.
     axis: usize,
-    /// On which side of it the wall is.
+    /// On which side of the channel it lies.
     sign: Sign,
     min: Vector<D>,
     max: Vector<D>,
 }
 
-/// Memory for [`Walls::set_complement`], used again.
+/// Reusable memory for [`Walls::set_complement`].
 #[derive(Debug, Clone, Default)]
 pub struct Complement<const D: usize> {
     neighbours: Vec<usize>,
-    /// All pieces found; behind them those of the side being worked on.
+    /// All pieces found, followed by those of the side being worked on.
     pieces: Vec<Piece<D>>,
 }
 
@@ -35,14 +35,12 @@ impl<const D: usize> Complement<D> {
 }
 
 impl<const D: usize> Walls<D> {
-    /// Replaces all walls by the boundary of the union of `channels`, up to the
-    /// plane of `mouth` where there is one: outside that half-space everything
-    /// is free. Indexes them.
+    /// Replaces all walls by the boundary of the union of `channels` within the half-space
+    /// `mouth`, outside which everything is free. Indexes the walls.
     ///
-    /// A part of a side is wall unless a channel goes on behind it. Pieces in
-    /// one plane are merged where they continue each other along the last axis,
-    /// and sorted by axis, facing and position. Takes n log n for channels each
-    /// of which overlaps few others.
+    /// A part of a side is wall unless a channel goes on behind it. Pieces in one plane that
+    /// continue each other along the last axis are merged; all are sorted by axis, facing and
+    /// position. Takes n log n if each channel overlaps few others.
     pub fn set_complement(
         &mut self,
         channels: &[AxisBox<D>],
@@ -68,7 +66,7 @@ impl<const D: usize> Walls<D> {
         let Complement { neighbours, pieces } = memory;
         pieces.clear();
         let [mut for_tree, mut held] = [Held::new(budget, 0)?, Held::new(budget, 0)?];
-        // The index of the channels first, and of the walls when that is done with.
+        // The tree first indexes the channels, later the walls.
         let tree = &mut self.tree;
         if channels.len() > FEW {
             for_tree.resize(BoxTree::<D>::bytes_for(channels.len()))?;
@@ -127,8 +125,8 @@ fn wall<const D: usize>(piece: Piece<D>) -> Wall<D> {
     Wall { from: piece.min, to: piece.max }
 }
 
-/// Cuts off what lies outside of the half-space, its plane included; false if
-/// nothing is left.
+/// Clips a piece to the half-space; false if nothing is left. A piece in its plane counts as
+/// outside.
 fn clip<const D: usize>(piece: &mut Piece<D>, mouth: &HalfSpace) -> bool {
     let axis = mouth.side.axis;
     match mouth.side.sign {
@@ -143,7 +141,7 @@ fn clip<const D: usize>(piece: &mut Piece<D>, mouth: &HalfSpace) -> bool {
     }
 }
 
-/// Adds the parts of a channel's side behind which no other channel goes on.
+/// Adds the parts of a side behind which no other channel goes on.
 fn add_uncovered<const D: usize>(
     side: Piece<D>,
     owner: usize,
@@ -170,7 +168,7 @@ fn add_uncovered<const D: usize>(
             Sign::Positive => at == far,
             Sign::Negative => at == near,
         };
-        // Of two sides in one place the earlier channel's counts.
+        // Of two sides in one place that of the earlier channel counts.
         if goes_on || (same_side && index < owner) {
             let count = pieces.len();
             budget.step((count - begin) as u64)?;
@@ -182,7 +180,7 @@ fn add_uncovered<const D: usize>(
                     kept += 1;
                 }
             }
-            // Close up: what was kept, then the parts of what was cut.
+            // Close up: kept pieces, then the parts of those cut.
             pieces.drain(kept..count);
             held.resize(size_of_val(&**pieces))?;
             if pieces.len() == begin {
@@ -238,7 +236,7 @@ fn compare<const D: usize>(a: &Piece<D>, b: &Piece<D>) -> Ordering {
     order.then(a.min[last].total_cmp(&b.min[last]))
 }
 
-/// Whether `next` lies in the same strip as `piece` and begins where that ends, or before.
+/// Whether `next` lies in the same strip as `piece` and begins no later than that ends.
 fn continues<const D: usize>(piece: &Piece<D>, next: &Piece<D>) -> bool {
     let last = along(piece);
     piece.axis == next.axis

@@ -1,13 +1,13 @@
-//! Whether a wall leaves a box free.
+//! Whether a wall passes through a box.
 
 use super::{Wall, planar};
 use crate::geometry::orientation::{Side, side_of_line};
 use crate::geometry::{AxisBox, Vector};
 
-/// Whether the wall has a point in the interior of `space`, farther inside than rounding.
+/// Whether the wall has a point inside `space` by more than rounding.
 ///
-/// Both are convex, so they are apart if and only if a line (a plane) separates them; what is
-/// to be tried are those across the axes and, for a segment, the one that it lies on.
+/// Both are convex, so they are apart if and only if a line (a plane) separates them: one
+/// perpendicular to an axis or, for a segment, the line that it lies on.
 pub(super) fn passes_through<const D: usize>(wall: &Wall<D>, space: &AxisBox<D>) -> bool {
     let size = [wall.from, wall.to, space.min(), space.max()].map(|corner| corner.amax());
     let rounding = 16.0 * f64::EPSILON * size.into_iter().fold(0.0, f64::max);
@@ -16,11 +16,11 @@ pub(super) fn passes_through<const D: usize>(wall: &Wall<D>, space: &AxisBox<D>)
     if !(0..D).all(|axis| low[axis] < max[axis] && min[axis] < high[axis]) {
         return false;
     }
-    // In space walls are parallel to the axes.
+    // In three dimensions walls are parallel to the axes.
     D != 2 || is_cut((&planar(&wall.from), &planar(&wall.to)), (&planar(&min), &planar(&max)))
 }
 
-/// Whether the line through `from` and `to` has corners of the box on both sides.
+/// Whether corners of the box lie on both sides of the line through `from` and `to`.
 fn is_cut((from, to): (&Vector<2>, &Vector<2>), (min, max): (&Vector<2>, &Vector<2>)) -> bool {
     let corners = [*min, Vector::from([max[0], min[1]]), *max, Vector::from([min[0], max[1]])];
     let sides = corners.map(|corner| side_of_line(from, to, &corner));

@@ -1,15 +1,15 @@
-//! Directions between two others.
+//! Cones of directions.
 
 use crate::geometry::orientation::{Side, side_of_direction};
 use crate::geometry::{Sign, Vector, unrotated};
 
-/// Directions that are farther out by no more count as within (sine of the angle).
+/// Directions outside by no more than this, the sine of the angle, count as inside.
 const ROUNDING: f64 = 1e-12;
 
-/// The directions counter-clockwise from one to another, no more than half a turn; or all.
+/// The directions counter-clockwise from one to another, at most half a turn; or all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
-    /// Unit vectors; zero: all directions.
+    /// Unit vectors; zero stands for all directions.
     low: Vector<2>,
     high: Vector<2>,
 }
@@ -24,7 +24,7 @@ impl Cone {
     pub(super) const ALL: Self =
         Self { low: Vector::<2>::new(0.0, 0.0), high: Vector::<2>::new(0.0, 0.0) };
 
-    /// The half turn from a direction on, in this sense.
+    /// The half turn from a direction in this sense.
     pub(super) fn half(from: &Vector<2>, turn: Sign) -> Self {
         match turn {
             Sign::Positive => Self { low: *from, high: -from },
@@ -32,7 +32,7 @@ impl Cone {
         }
     }
 
-    /// The narrowest around directions of which any two are less than half a turn apart.
+    /// The narrowest cone around directions that are pairwise less than half a turn apart.
     pub(super) fn around<'a>(directions: impl Iterator<Item = &'a Vector<2>>) -> Self {
         let cones = directions.map(|direction| Self { low: *direction, high: *direction });
         let wider = |a: Self, b: Self| Self {
@@ -44,7 +44,7 @@ impl Cone {
 
     pub(super) fn holds(&self, direction: &Vector<2>) -> bool {
         cross(&self.low, direction) >= -ROUNDING && cross(direction, &self.high) >= -ROUNDING
-            // Not the other way about, at the edge of half a turn or of a narrow cone.
+            // Not opposite, at the edge of half a turn or of a narrow cone.
             && (self.low + self.high).dot(direction) >= -ROUNDING
     }
 
@@ -52,7 +52,7 @@ impl Cone {
         self.holds(&other.low) && self.holds(&other.high)
     }
 
-    /// The directions in both.
+    /// The directions in both cones.
     pub(super) fn common(&self, other: &Self) -> Option<Self> {
         if *self == Self::ALL {
             return Some(*other);
