@@ -1,22 +1,44 @@
 //! Messages as bytes, for recordings: bincode, little-endian, integers of fixed width.
 //!
-//! This is the only file that names the codec. It is pinned (its development has
-//! ended; see `deny.toml`), and its form is canonical and simple enough for any
-//! language: [`REQUEST_SCHEMA`] and [`REPLY_SCHEMA`] describe it in words and
-//! stand in every recording.
+//! The encoding is canonical and simple enough to read in any language. A recording
+//! identifies its messages by schema name ([`REQUEST_NAME`], [`REPLY_NAME`]) and version
+//! number ([`VERSION`]); [`REQUEST_SCHEMA`] and [`REPLY_SCHEMA`] describe them to people
+//! and are never compared. The rules:
+//!
+//! - Any change to the bytes is a new version.
+//! - A reader reads its own version and every version before it. Version 1 is frozen in
+//!   `codec/version_1.rs`; whoever changes a message freezes the version before there,
+//!   in a module of its own.
+//! - A reader refuses a later version and names both numbers.
+//! - A writer writes the newest version only.
+//!
+//! This is the only file that names the `bincode` crate, which is pinned (its development
+//! has ended; see `deny.toml`).
+
+mod version_1;
 
 use bincode::config::{Configuration, Fixint, Limit, LittleEndian};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-/// The layout of `/planner/request` messages, in words.
+use crate::message::{ReplyPart, Request};
+
+/// Version of recorded messages.
+pub const VERSION: u32 = 2;
+
+/// Schema name of `/planner/request` messages.
+pub const REQUEST_NAME: &str = "clearway.Request";
+/// Schema name of `/planner/reply` messages.
+pub const REPLY_NAME: &str = "clearway.ReplyPart";
+
+/// `/planner/request` messages in words.
 pub const REQUEST_SCHEMA: &str = include_str!("codec/request.txt");
-/// The layout of `/planner/reply` messages, in words.
+/// `/planner/reply` messages in words.
 pub const REPLY_SCHEMA: &str = include_str!("codec/reply.txt");
 
-/// The most bytes of a message. What a message announces reserves next to nothing
-/// (1 MiB at a time); memory is taken for what is there.
+/// Most bytes of a message. An announced length reserves little (1 MiB at a time); memory
+/// is taken for bytes that are there.
 pub const MOST_BYTES: usize = 256 << 20;
 
 /// Why bytes are not a message.
@@ -26,12 +48,20 @@ pub enum DecodeError {
     #[error("{0}")]
     Malformed(String),
     /// There are more bytes than the message has.
-    #[error("the message has {used} bytes, but {given} were given")]
+    #[error("the message ends after {used} of {given} bytes")]
     TrailingBytes {
         /// Bytes of the message.
         used: usize,
         /// Bytes given.
         given: usize,
+    },
+    /// This version is unknown.
+    #[error("the message has version {found}; versions 1 to {newest} are supported")]
+    Version {
+        /// Its version.
+        found: u32,
+        /// The newest version that can be read.
+        newest: u32,
     },
 }
 
@@ -52,7 +82,7 @@ pub fn encode<T: Serialize>(message: &T) -> Vec<u8> {
     bytes
 }
 
-/// The message that `bytes` are, all of them.
+/// The message encoded in `bytes`, all of them, in the newest version.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DecodeError> {
     let (message, used) = bincode::serde::borrow_decode_from_slice(bytes, configuration())
         .map_err(|error| DecodeError::Malformed(error.to_string()))?;
@@ -60,5 +90,23 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DecodeError> {
         Ok(message)
     } else {
         Err(DecodeError::TrailingBytes { used, given: bytes.len() })
+    }
+}
+
+/// A request recorded in `version`.
+pub fn decode_request(version: u32, bytes: &[u8]) -> Result<Request, DecodeError> {
+    match version {
+        1 => version_1::request(bytes),
+        VERSION => decode(bytes),
+        found => Err(DecodeError::Version { found, newest: VERSION }),
+    }
+}
+
+/// A part of a reply recorded in `version`.
+pub fn decode_reply(version: u32, bytes: &[u8]) -> Result<ReplyPart, DecodeError> {
+    match version {
+        1 => version_1::reply(bytes),
+        VERSION => decode(bytes),
+        found => Err(DecodeError::Version { found, newest: VERSION }),
     }
 }

@@ -1,12 +1,12 @@
-//! From memory to messages and back: the border where what a peer wrote is checked.
+//! From memory to messages and back: the border where a peer's memory is checked.
 //!
-//! Codes are looked up, counts are checked against the memory that is there, text
-//! must be UTF-8. Whether the numbers make a scene is the planner's to say. Reading
-//! reuses the memory of the message that it fills: the second request of a kind
-//! allocates nothing.
+//! Codes are looked up, counts are checked against the memory present, text must be
+//! UTF-8. Whether the numbers make sense as a scene is for the planner to decide. Reading
+//! reuses the memory of the message it fills: the second request of a kind allocates
+//! nothing.
 
 mod cells;
-mod codes;
+pub(crate) mod codes;
 mod reply;
 mod request;
 mod scene;

@@ -9,6 +9,7 @@ pub use assemble::{AssembleError, ReplyAssembler};
 pub use reply::{
     Answer, Clearance, Curve, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule, Trajectory,
 };
+pub(crate) use reply::{optional_text, text};
 pub use scene::{
     AxisBox, Body, Choice, ClearanceWish, Direction, Footprint, FreeSpace, Gap, Goal, Limits, Pose,
     Sampling, SceneRequest, Solid, StartTurn, Task,

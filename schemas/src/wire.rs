@@ -1,34 +1,37 @@
 //! Plain memory: the messages as they lie in shared memory.
 //!
-//! A request is a [`RequestHeader`] and a payload of 64-bit cells; so is every
-//! part of a reply, with a [`ReplyHeader`]. Cells hold `f64` bit patterns or
-//! unsigned integers in the machine's byte order. Every bit pattern of these
-//! types is a value, so memory that a hostile or dying peer wrote can be read;
-//! whether it makes sense is [`crate::convert`]'s to say.
+//! A request is a [`RequestHeader`] and a payload of 64-bit cells; each part of a reply
+//! is a [`ReplyHeader`] and such a payload. Cells hold `f64` bit patterns or unsigned
+//! integers in the machine's byte order. Every bit pattern of these types is a valid
+//! value, so memory written by a hostile or dying peer can be read safely;
+//! [`crate::convert`] decides whether it makes sense.
 //!
-//! [`LAYOUT`] is the layout in words. Its hash is part of the type names on the
-//! bus, so that peers with different layouts do not connect.
+//! [`layout_text`] describes the layout. The type names on the bus carry
+//! [`layout_hash`], so peers with different layouts do not connect. A planner serves
+//! version [`VERSION`] and, through [`previous`], the version before it.
+
+mod layout;
+pub mod previous;
+
+pub use layout::{hash as layout_hash, text as layout_text};
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
-/// Number of the layout; a planner refuses others (`unsupported_version`).
-pub const VERSION: u32 = 1;
+/// Version of the layout. A request with another is refused (`unsupported_version`).
+pub const VERSION: u32 = 2;
 
-/// Most cells in one part of a reply: 128 KiB. Longer replies have several parts,
-/// so that no reply has a largest size and the memory per client stays small.
+/// Most cells in one part of a reply: 128 KiB. Longer replies are split, so reply size
+/// is unlimited while the memory per client stays small.
 pub const PART_CELLS: usize = 16_384;
 
-/// The layout in words; see [`crate::topic::layout_hash`].
-pub const LAYOUT: &str = include_str!("wire/layout.txt");
-
-/// Bits of [`RequestHeader::given`]: which optional fields hold something.
+/// Bits of [`RequestHeader::given`]: the optional fields that are present.
 pub mod given {
     /// `id`
     pub const ID: u64 = 1;
     /// The channels (their count may be 0).
     pub const CHANNELS: u64 = 1 << 1;
-    /// The channels stand in travel order.
+    /// The channels are in travel order.
     pub const IN_ORDER: u64 = 1 << 2;
     /// The solids (their count may be 0).
     pub const SOLIDS: u64 = 1 << 3;
@@ -36,9 +39,9 @@ pub mod given {
     pub const BOUNDS: u64 = 1 << 4;
     /// `start`
     pub const START: u64 = 1 << 5;
-    /// `goal`, its position
+    /// The position of `goal`.
     pub const GOAL: u64 = 1 << 6;
-    /// The goal's heading.
+    /// The heading of `goal`.
     pub const GOAL_HEADING: u64 = 1 << 7;
     /// `start_turn`
     pub const START_TURN: u64 = 1 << 8;
@@ -48,11 +51,27 @@ pub mod given {
     pub const DEADLINE: u64 = 1 << 10;
     /// `limits[0]`; the bits of the other limits follow.
     pub const LIMITS: u64 = 1 << 11;
-    /// All bits that mean something.
+    /// All defined bits.
     pub const ALL: u64 = (LIMITS << 5) - 1;
 }
 
-/// What every request starts with: who asks, and all of the scene that has a fixed size.
+/// Bits of a refusal's `present` cell: the optional fields that are present.
+pub mod present {
+    /// `junction`
+    pub const JUNCTION: u64 = 1;
+    /// `axis`
+    pub const AXIS: u64 = 1 << 1;
+    /// `needs`; the bits of `has`, `least`, `most` and `heading` follow.
+    pub const NUMBERS: u64 = 1 << 2;
+    /// `field`
+    pub const FIELD: u64 = 1 << 7;
+    /// `setting`
+    pub const SETTING: u64 = 1 << 8;
+    /// All defined bits.
+    pub const ALL: u64 = (SETTING << 1) - 1;
+}
+
+/// Start of every request: who asks, and the fixed-size part of the scene.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct RequestHeader {
@@ -78,11 +97,11 @@ pub struct RequestHeader {
     pub sampling_kind: u32,
     /// 0 polygon, 1 box, 2 footprint.
     pub body_kind: u32,
-    /// 0 one choice, 1 each of the choices, 2 a curve.
+    /// 0 one choice, 1 each choice, 2 a curve.
     pub wish_kind: u32,
     /// Directions in the payload.
     pub exits: u32,
-    /// 1 where the client sleeps and is to be woken, 0 where it polls.
+    /// 1: the client sleeps and must be woken; 0: it polls.
     pub wake: u32,
     /// 0.
     pub reserved: u32,
@@ -110,7 +129,7 @@ pub struct RequestHeader {
     pub solids: u64,
 }
 
-/// What every part of a reply starts with.
+/// Start of every part of a reply.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ReplyHeader {
@@ -124,7 +143,7 @@ pub struct ReplyHeader {
     pub sequence: u64,
     /// When it was sent, nanoseconds since the Unix epoch.
     pub sent_ns: u64,
-    /// The request's id, if `has_id`.
+    /// The request's id if `has_id` is 1.
     pub id: u64,
     /// 0 or 1.
     pub has_id: u32,
@@ -134,11 +153,11 @@ pub struct ReplyHeader {
     pub part: u32,
     /// 0 a trajectory, 1 a refusal.
     pub kind: u32,
-    /// Which answer this part belongs to.
+    /// The answer this part belongs to, from 0.
     pub answer: u32,
-    /// How many answers there are; 0 where the whole request is refused.
+    /// How many answers there are; 0: the whole request is refused.
     pub answers: u32,
-    /// The way out taken: 0 not named, else 1 + direction code.
+    /// The exit taken: 0 not named, else 1 + its direction code.
     pub exit: u32,
     /// Gaps for each junction.
     pub gaps_per_junction: u32,
@@ -148,7 +167,7 @@ pub struct ReplyHeader {
     pub duration: f64,
     /// Least distance to the walls, metres.
     pub clearance: f64,
-    /// Arc length where it is met, metres.
+    /// Arc length where that is, metres.
     pub clearance_at: f64,
     /// The wall point there, metres.
     pub wall: [f64; 3],
@@ -220,19 +239,19 @@ pub const LEG_CELLS: usize = size_of::<Leg>() / 8;
 /// Cells that a [`Sample`] takes.
 pub const SAMPLE_CELLS: usize = size_of::<Sample>() / 8;
 
-/// What every message on the planner's tap starts with.
+/// Start of every message on the planner's tap.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TapHeader {
-    /// Counts the bus messages; a gap is a loss. A heartbeat has the number of the message
-    /// that comes next.
+    /// Number of the bus message; a gap is a loss. A heartbeat carries the number of the
+    /// next message.
     pub sequence: u64,
     /// When the planner took (request) or sent (reply) the message, nanoseconds
     /// since the Unix epoch.
     pub time_ns: u64,
     /// 0 a request, 1 a part of a reply, 2 a heartbeat without payload.
     pub kind: u32,
-    /// Long messages are cut into pieces of one sequence number: bit 0 where the message
-    /// ends, above it the piece's number from 0.
+    /// Long messages are cut into pieces with the same sequence number: bit 0 is set on
+    /// the last piece, the bits above it number the pieces from 0.
     pub piece: u32,
 }

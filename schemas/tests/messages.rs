@@ -18,3 +18,5 @@ mod pinned;
 mod round_trips;
 #[path = "messages/strategies.rs"]
 mod strategies;
+#[path = "messages/version_1.rs"]
+mod version_1;

@@ -102,6 +102,7 @@ fn check_finishes(signal: Signal) {
 #[test]
 fn sigint_and_sigterm_finish_the_file() {
     check_finishes(Signal::INT);
+    check_finishes(Signal::HUP);
     check_finishes(Signal::TERM);
 }
 

@@ -3,45 +3,45 @@
 use bytemuck::Pod;
 use thiserror::Error;
 
-/// Memory that is no message.
+/// Why memory is not a message.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Malformed {
-    /// The message announces more than there is.
-    #[error("{what}: needs {needs} cells, but {has} are left")]
+    /// The message declares more than there is.
+    #[error("{what} needs {needs} cells, {has} are left")]
     TooShort {
-        /// What was to be read.
+        /// What was being read.
         what: &'static str,
-        /// Cells announced.
+        /// Cells declared.
         needs: u64,
         /// Cells left.
         has: u64,
     },
-    /// There is more memory than the message announces.
-    #[error("{left} cells are left over behind the message")]
+    /// There is more memory than the message declares.
+    #[error("{left} cells follow the end of the message")]
     TrailingCells {
         /// Cells too many.
         left: u64,
     },
-    /// A number stands for nothing.
-    #[error("{what}: {code} is no known code (the greatest is {greatest})")]
+    /// A number is no known code.
+    #[error("{what} is {code}; the greatest known value is {greatest}")]
     UnknownCode {
-        /// Whose code.
+        /// The field.
         what: &'static str,
         /// What was read.
         code: u64,
-        /// The greatest code there is.
+        /// The greatest known code.
         greatest: u64,
     },
-    /// A number is not what something else in the message demands.
-    #[error("{what} is {has}, but must be {needs} {when}")]
+    /// A number contradicts another part of the message.
+    #[error("{what} is {has}, must be {needs} {when}")]
     Mismatch {
-        /// Whose number.
+        /// The field.
         what: &'static str,
         /// What was read.
         has: u64,
         /// What it must be.
         needs: u64,
-        /// What demands it.
+        /// The reason.
         when: &'static str,
     },
     /// A text is not UTF-8.
@@ -54,7 +54,7 @@ pub enum Malformed {
     },
 }
 
-/// Fails unless a number is what something else in the message demands.
+/// Fails unless a number agrees with the rest of the message.
 pub(super) fn demand(
     what: &'static str,
     has: impl Into<u64>,

@@ -1,14 +1,14 @@
-//! Which number stands for what.
+//! Codes and what they stand for.
 
 use super::Malformed;
 use crate::message::{Direction, ErrorCode, StartTurn, Task};
 
 /// Values by code: the code is the index.
-pub(super) const TASKS: [Task; 3] = [Task::Disassemble, Task::Assemble, Task::Drive];
+pub(crate) const TASKS: [Task; 3] = [Task::Disassemble, Task::Assemble, Task::Drive];
 
-pub(super) const START_TURNS: [StartTurn; 2] = [StartTurn::InPlace, StartTurn::WhileMoving];
+pub(crate) const START_TURNS: [StartTurn; 2] = [StartTurn::InPlace, StartTurn::WhileMoving];
 
-pub(super) const DIRECTIONS: [Direction; 6] = [
+pub(crate) const DIRECTIONS: [Direction; 6] = [
     Direction::PlusX,
     Direction::MinusX,
     Direction::PlusY,
@@ -17,7 +17,7 @@ pub(super) const DIRECTIONS: [Direction; 6] = [
     Direction::MinusZ,
 ];
 
-pub(super) const ERRORS: [ErrorCode; 15] = [
+pub(crate) const ERRORS: [ErrorCode; 15] = [
     ErrorCode::InvalidScene,
     ErrorCode::UnsupportedVersion,
     ErrorCode::BodyOutsideFreeSpace,

@@ -6,7 +6,7 @@ use crate::message::{
     AxisBox, Clearance, Curve, Direction, Leg, Refusal, ReplyPart, RequestKey, Rule, Trajectory,
     Vector,
 };
-use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS};
+use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS, present};
 
 /// Takes the parts of a reply: shared memory, or a list in this process.
 pub trait PartSink {
@@ -121,18 +121,8 @@ where
     }
 }
 
-/// Bits of a refusal's `present` cell.
-mod present {
-    pub(super) const JUNCTION: u64 = 1;
-    pub(super) const AXIS: u64 = 1 << 1;
-    /// `needs`; the bits of `has`, `least`, `most` and `heading` follow.
-    pub(super) const NUMBERS: u64 = 1 << 2;
-    pub(super) const FIELD: u64 = 1 << 7;
-    pub(super) const ALL: u64 = (FIELD << 1) - 1;
-}
-
-/// Longest message or field of a refusal that is passed on, bytes. A field can hold what a
-/// person wrote, of any length.
+/// Longest message, field or setting of a refusal that is passed on, bytes. A field can
+/// quote the request, at any length.
 const MOST_TEXT: usize = 2048;
 
 /// Writes a refusal as one part; `header` as in [`TrajectoryWriter::write`].
@@ -144,8 +134,9 @@ pub fn write_refusal<S: PartSink>(
 ) -> Result<(), S::Error> {
     let message = cut(&refusal.message);
     let field = refusal.field.as_deref().map(cut);
-    let text_cells = message.len().div_ceil(8) + field.map_or(0, |field| field.len().div_ceil(8));
-    let cells = 11 + text_cells;
+    let setting = refusal.setting.as_deref().map(cut);
+    let texts = [message, field.unwrap_or(""), setting.unwrap_or("")];
+    let cells = 9 + texts.len() + texts.iter().map(|text| text.len().div_ceil(8)).sum::<usize>();
     (header.gaps, header.route, header.channels, header.legs, header.samples) = (0, 0, 0, 0, 0);
     header.kind = 1;
     header.refusal = cells as u32;
@@ -156,6 +147,7 @@ pub fn write_refusal<S: PartSink>(
         bits |= refusal.junction.map_or(0, |_| present::JUNCTION);
         bits |= refusal.axis.map_or(0, |_| present::AXIS);
         bits |= field.map_or(0, |_| present::FIELD);
+        bits |= setting.map_or(0, |_| present::SETTING);
         for (index, number) in numbers.iter().enumerate() {
             bits |= number.map_or(0, |_| present::NUMBERS << index);
         }
@@ -164,10 +156,8 @@ pub fn write_refusal<S: PartSink>(
         writer.push(refusal.junction.unwrap_or(0));
         writer.push(refusal.axis.unwrap_or(0).into());
         numbers.iter().for_each(|number| writer.push_f64(number.unwrap_or(0.0)));
-        writer.push(message.len() as u64);
-        writer.push(field.map_or(0, str::len) as u64);
-        push_text(writer, message);
-        push_text(writer, field.unwrap_or(""));
+        texts.iter().for_each(|text| writer.push(text.len() as u64));
+        texts.iter().for_each(|text| push_text(writer, text));
     })?;
     header.part += 1;
     Ok(())
@@ -316,9 +306,10 @@ fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal,
     let number = |index: usize| {
         (bits & (present::NUMBERS << index) != 0).then(|| f64::from_bits(numbers[index]))
     };
-    let (message_bytes, field_bytes) = (cells.next("refusal")?, cells.next("refusal")?);
-    let message = read_text("message", message_bytes, &mut cells)?;
-    let field = read_text("field", field_bytes, &mut cells)?;
+    let lengths = cells.take("refusal", 3, 1)?;
+    let message = read_text("message", lengths[0], &mut cells)?;
+    let field = read_text("field", lengths[1], &mut cells)?;
+    let setting = read_text("setting", lengths[2], &mut cells)?;
     cells.end()?;
     Ok(Refusal {
         code,
@@ -334,7 +325,7 @@ fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal,
         least: number(2),
         most: number(3),
         heading: number(4),
-        setting: None,
+        setting: (bits & present::SETTING != 0).then_some(setting),
     })
 }
 

@@ -4,7 +4,7 @@ use super::{Malformed, read_scene};
 use crate::message::{ErrorCode, Refusal, Request, RequestContent, RequestKey, SceneRequest};
 use crate::wire::{RequestHeader, VERSION};
 
-/// A request as a message; memory that is no scene is kept as it came.
+/// A request as a message; memory that can't be read as a scene is kept as it came.
 pub fn read_request(header: &RequestHeader, cells: &[u64]) -> Request {
     let mut scene = SceneRequest::empty();
     let readable = header.version == VERSION && read_scene(header, cells, &mut scene).is_ok();
@@ -21,20 +21,20 @@ pub fn read_request(header: &RequestHeader, cells: &[u64]) -> Request {
     }
 }
 
-/// Refuses layouts that this planner does not know.
+/// Refuses a request of another version.
 pub fn check_version(header: &RequestHeader) -> Result<(), Refusal> {
     if header.version == VERSION {
         return Ok(());
     }
     let (has, needs) = (f64::from(header.version), f64::from(VERSION));
-    let message = format!("the request has layout version {has}, this planner needs {needs}");
+    let message = format!("the request has message version {has}, this planner needs {needs}");
     let refusal = Refusal::new(ErrorCode::UnsupportedVersion, message);
     Err(Refusal { needs: Some(needs), has: Some(has), ..refusal })
 }
 
-/// The refusal for memory that is no scene.
+/// The refusal for memory that can't be read as a scene.
 pub fn unreadable(malformed: &Malformed) -> Refusal {
-    Refusal::invalid("request", format!("the request's memory is no scene: {malformed}"))
+    Refusal::invalid("request", format!("the request can't be read: {malformed}"))
 }
 
 /// The header that [`RequestContent::Unreadable`] keeps; zero where words are missing.

@@ -8,7 +8,7 @@ use crate::message::{
 };
 use crate::wire::{RequestHeader, VERSION, given};
 
-/// How many coordinates the scene's points have, 2 or 3, if they all have the same.
+/// How many coordinates the scene's points have: 2 or 3, the same for all.
 pub fn dimension(scene: &SceneRequest) -> Result<u32, Refusal> {
     let mut points = Points { dimension: 0 };
     match &scene.body {
@@ -44,7 +44,7 @@ pub fn dimension(scene: &SceneRequest) -> Result<u32, Refusal> {
             }
         }
     }
-    // A scene without a single point is refused for what it lacks.
+    // A scene without points is refused later, for what it lacks.
     Ok(points.dimension.max(2) as u32)
 }
 
@@ -259,8 +259,8 @@ fn push_box(cells: &mut Vec<u64>, sides: &AxisBox) {
     push_point(cells, &sides.max);
 }
 
-/// Reads a scene from memory into `scene`, reusing what that holds. On failure
-/// `scene` holds something, but nothing of use.
+/// Reads a scene from memory into `scene`, reusing the memory it holds. On failure the
+/// content of `scene` is unspecified.
 pub fn read_scene(
     header: &RequestHeader,
     cells: &[u64],
@@ -277,7 +277,7 @@ pub fn read_scene(
     demand("reserved", header.reserved, 0, "in this version")?;
     let has = |bit: u64| header.given & bit != 0;
     if has(given::START) || has(given::GOAL) {
-        demand("dimension", header.dimension, 2, "where there is a start or a goal")?;
+        demand("dimension", header.dimension, 2, "with a start or a goal")?;
     }
     let dimension = header.dimension as usize;
     let mut cells = CellReader::new(cells);
@@ -295,7 +295,7 @@ pub fn read_scene(
         channels.clear();
         channels.extend(taken.chunks_exact(2 * dimension).map(|cells| axis_box(cells, dimension)));
     } else {
-        demand("channels", header.channels, 0, "where none are given")?;
+        demand("channels", header.channels, 0, "if none are given")?;
         scene.free_space.channels = None;
     }
 
@@ -310,7 +310,7 @@ pub fn read_scene(
             read_solid(dimension, &mut cells, &mut solids[index])?;
         }
     } else {
-        demand("solids", header.solids, 0, "where none are given")?;
+        demand("solids", header.solids, 0, "if none are given")?;
         scene.free_space.solids = None;
     }
     cells.end()
@@ -369,7 +369,7 @@ fn read_wish(
 ) -> Result<(), Malformed> {
     match header.wish_kind {
         0 => {
-            demand("choices", header.choices, 1, "where each is not asked for")?;
+            demand("choices", header.choices, 1, "for a single clearance")?;
             let mut choice = match std::mem::replace(wish, ClearanceWish::Safest) {
                 ClearanceWish::Gaps(gaps) => Choice::Gaps(gaps),
                 _ => Choice::Safest,
@@ -397,7 +397,7 @@ fn read_wish(
             }
         }
         2 => {
-            demand("choices", header.choices, 0, "where a curve is asked for")?;
+            demand("choices", header.choices, 0, "for a curve")?;
             *wish = ClearanceWish::Curve(header.curve);
         }
         code => {

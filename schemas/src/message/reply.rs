@@ -171,7 +171,7 @@ pub struct Refusal {
     pub heading: Option<f64>,
     /// The setting of the planner's configuration whose limit was met, such as
     /// `caps.route_steps`.
-    #[serde(skip)]
+    #[serde(deserialize_with = "optional_text")]
     pub setting: Option<String>,
 }
 
@@ -223,11 +223,13 @@ impl<'de> Deserialize<'de> for Text {
     }
 }
 
-fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+pub(crate) fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     Text::deserialize(deserializer).map(|Text(text)| text)
 }
 
-fn optional_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+pub(crate) fn optional_text<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<String>, D::Error> {
     Ok(Option::deserialize(deserializer)?.map(|Text(text)| text))
 }
 

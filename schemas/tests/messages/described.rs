@@ -239,7 +239,7 @@ fn read_refusal(from: &mut Bytes) -> Refusal {
         least: from.option(Bytes::f64),
         most: from.option(Bytes::f64),
         heading: from.option(Bytes::f64),
-        setting: None,
+        setting: from.option(Bytes::text),
     }
 }
 
@@ -275,7 +275,7 @@ proptest! {
 
 #[test]
 fn error_codes_are_described_by_number() {
-    for text in [codec::REPLY_SCHEMA, schemas::wire::LAYOUT] {
+    for text in [codec::REPLY_SCHEMA.to_owned(), schemas::wire::layout_text()] {
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
         for (number, code) in ERRORS.iter().enumerate() {
             let json = serde_json::to_string(code).unwrap();
@@ -312,6 +312,7 @@ mod other {
         pub(super) least: Option<f64>,
         pub(super) most: Option<f64>,
         pub(super) heading: Option<f64>,
+        pub(super) setting: Option<String>,
     }
 
     #[derive(SchemaWrite, SchemaRead, PartialEq, Debug, Clone, Copy)]
@@ -330,9 +331,10 @@ mod other {
         DeadlineExceeded,
         Overloaded,
         Internal,
+        TooCostly,
     }
 
-    pub(super) const CODES: [Code; 14] = [
+    pub(super) const CODES: [Code; 15] = [
         Code::InvalidScene,
         Code::UnsupportedVersion,
         Code::BodyOutsideFreeSpace,
@@ -347,6 +349,7 @@ mod other {
         Code::DeadlineExceeded,
         Code::Overloaded,
         Code::Internal,
+        Code::TooCostly,
     ];
 }
 
@@ -370,11 +373,11 @@ proptest! {
     #[test]
     fn refusals_are_the_same_to_another_codec(ours in refusal(&finite())) {
         let Refusal {
-            code, message, field, junction, axis, needs, has, least, most, heading, setting: _,
+            code, message, field, junction, axis, needs, has, least, most, heading, setting,
         } = ours.clone();
         let code = other::CODES[ERRORS.iter().position(|error| *error == code).unwrap()];
         let theirs = other::Refusal {
-            code, message, field, junction, axis, needs, has, least, most, heading,
+            code, message, field, junction, axis, needs, has, least, most, heading, setting,
         };
         let bytes = codec::encode(&ours);
         prop_assert_eq!(&bytes, &wincode::serialize(&theirs).unwrap());

@@ -74,14 +74,15 @@ pub(crate) fn scene(text: &str) -> SceneRequest {
 }
 
 /// By name: a trajectory of assembly in two and in three dimensions, of driving, and
-/// refusals with and without everything.
-pub(crate) fn parts() -> [(&'static str, ReplyPart); 5] {
+/// refusals with and without everything. Version 1 has all but the last.
+pub(crate) fn parts() -> [(&'static str, ReplyPart); 6] {
     [
         ("assembly-2d", of_answer(Ok(assembly()))),
         ("assembly-3d", of_answer(Ok(assembly_3d()))),
         ("driving", of_answer(Ok(driving()))),
         ("refusal", of_answer(Err(refusal()))),
         ("refusal-of-a-field", ReplyPart { id: None, answers: 0, ..of_answer(Err(invalid())) }),
+        ("refusal-too-costly", of_answer(Err(too_costly()))),
     ]
 }
 
@@ -211,6 +212,15 @@ pub(crate) fn invalid() -> Refusal {
         most: Some(0.5),
         heading: Some(-0.5),
         ..Refusal::invalid("clearance.gap[1]", "clearance.gap[1] must be positive — but is −1")
+    }
+}
+
+pub(crate) fn too_costly() -> Refusal {
+    let message = "the route takes more than 16777216 steps (caps.route_steps)";
+    Refusal {
+        has: Some(16_777_216.0),
+        setting: Some("caps.route_steps".to_owned()),
+        ..Refusal::new(ErrorCode::TooCostly, message)
     }
 }
 

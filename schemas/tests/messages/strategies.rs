@@ -34,7 +34,7 @@ pub(crate) const DIRECTIONS: [Direction; 6] = [
     Direction::MinusZ,
 ];
 
-pub(crate) const ERRORS: [ErrorCode; 14] = [
+pub(crate) const ERRORS: [ErrorCode; 15] = [
     ErrorCode::InvalidScene,
     ErrorCode::UnsupportedVersion,
     ErrorCode::BodyOutsideFreeSpace,
@@ -49,6 +49,7 @@ pub(crate) const ERRORS: [ErrorCode; 14] = [
     ErrorCode::DeadlineExceeded,
     ErrorCode::Overloaded,
     ErrorCode::Internal,
+    ErrorCode::TooCostly,
 ];
 
 fn one_of<T: Copy + std::fmt::Debug + 'static>(all: &'static [T]) -> BoxedStrategy<T> {
@@ -263,11 +264,12 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
 pub(crate) fn refusal(numbers: &Numbers) -> BoxedStrategy<Refusal> {
     let number = || of(numbers.clone());
     (
-        (one_of(&ERRORS), ".{0,40}", of(".{0,20}"), of(any::<u64>()), of(0..3_u32)),
-        (number(), number(), number(), number(), number()),
+        (one_of(&ERRORS), ".{0,40}", of(".{0,20}"), of(".{0,20}")),
+        (of(any::<u64>()), of(0..3_u32)),
+        [number(), number(), number(), number(), number()],
     )
-        .prop_map(|((code, message, field, junction, axis), (needs, has, least, most, heading))| {
-            let setting = None;
+        .prop_map(|((code, message, field, setting), (junction, axis), numbers)| {
+            let [needs, has, least, most, heading] = numbers;
             Refusal {
                 code,
                 message,

@@ -4,107 +4,52 @@ use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use iceoryx2::pending_response::PendingResponse;
+use iceoryx2::port::client::RequestSendError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::{AllocationStrategy, Node, PortFactory, PortName, ipc};
-use iceoryx2::service::builder::request_response::RequestResponseOpenError;
-use schemas::convert::{self, Malformed};
-use schemas::message::{
-    AssembleError, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
-};
-use schemas::topic;
-use thiserror::Error;
+use schemas::convert;
+use schemas::message::{Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest};
+use schemas::wire;
 
-use crate::domain::{Domain, DomainError};
-use crate::headers::{ReplyHeader, RequestHeader};
+use crate::cause::Cause;
+use crate::clock::now_ns;
+use crate::connect;
+use crate::domain::{Domain, Tidy};
+use crate::error::{CallError, ConnectError};
+use crate::headers::{Current, ReplyHeader, RequestHeader, UserHeader};
 use crate::ports;
-use crate::server::Tidy;
 use crate::wait::{self, Wait, Woken};
-
-/// Why there is no connection to a planner.
-#[derive(Debug, Error)]
-pub enum ConnectError {
-    /// The domain can't be joined.
-    #[error(transparent)]
-    Domain(#[from] DomainError),
-    /// No planner is there.
-    #[error("no planner runs in domain {domain} (start one with `planner`): {cause}")]
-    NoPlanner {
-        /// The domain.
-        domain: Domain,
-        /// What iceoryx2 says.
-        cause: String,
-    },
-    /// The planner there is of another version.
-    #[error(
-        "the planner in domain {domain} does not speak layout {layout:016x}, as this client does"
-    )]
-    OtherLayout {
-        /// The domain.
-        domain: Domain,
-        /// This client's layout; see [`topic::layout_hash`].
-        layout: u64,
-    },
-    /// The operating system has no random numbers.
-    #[error("can't draw a nonce: {0}")]
-    Random(String),
-    /// All places are taken.
-    #[error("domain {domain} takes no more like this one: {cause}")]
-    Full {
-        /// The domain.
-        domain: Domain,
-        /// What iceoryx2 says.
-        cause: String,
-    },
-}
-
-/// Why a request has no reply.
-#[derive(Debug, Error)]
-pub enum CallError {
-    /// The request can't be said on the bus.
-    #[error("{}", .0.message)]
-    Scene(Refusal),
-    /// It could not be sent.
-    #[error("could not send the request: {0}")]
-    Send(String),
-    /// What came could not be taken from shared memory.
-    #[error("could not receive the reply: {0}")]
-    Receive(String),
-    /// The planner died, left, or gave the reply up because nobody took it.
-    #[error("the planner is gone or has given the reply up")]
-    PlannerGone,
-    /// No reply came in time.
-    #[error("no reply within {waited:?} (limit {limit:?})")]
-    TimedOut {
-        /// How long was waited.
-        waited: Duration,
-        /// How long was to be waited.
-        limit: Duration,
-    },
-    /// The planner wrote no reply.
-    #[error("the reply can't be read: {0}")]
-    Malformed(#[from] Malformed),
-    /// Parts of the reply are missing.
-    #[error("the reply is not complete: {0}")]
-    Incomplete(#[from] AssembleError),
-    /// SIGINT or SIGTERM came.
-    #[error("interrupted")]
-    Interrupted,
-}
 
 type Port = iceoryx2::port::client::Client<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 
-/// How many first request ids there are for clients to choose from.
+/// The number of first request ids that clients choose from.
 const FIRST_IDS: u64 = 1024;
 
 /// Asks a planner.
+///
+/// ```no_run
+/// use std::time::Duration;
+///
+/// use bus::{Client, Domain, Wait};
+/// use schemas::json;
+///
+/// let scene = std::fs::read_to_string("recordings/scenes/driving.json")?;
+/// let scene = json::read_scene(&scene).map_err(|unreadable| unreadable.refusal.message)?;
+/// let client = Client::connect(&Domain::default(), Wait::Hybrid)?;
+/// let reply = client.call(&scene, Duration::from_secs(10))?;
+/// println!("{}", json::reply_to_json(&reply));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Client {
     port: Port,
+    /// Requests that the planner lets it have open.
+    most_open: usize,
     ringer: Notifier<ipc::Service>,
     wake: ports::Bell,
-    /// None where this client polls.
+    /// None if this client polls.
     bell: Option<Listener<ipc::Service>>,
     how: Wait,
     nonce: u64,
@@ -123,33 +68,34 @@ impl Client {
 
     fn connect_as(domain: &Domain, how: Wait, nonce: u64) -> Result<Self, ConnectError> {
         let node = domain.join("client")?;
-        let absent = |cause| ConnectError::NoPlanner { domain: domain.clone(), cause };
-        let full = |cause| ConnectError::Full { domain: domain.clone(), cause };
-        let plan = ports::open_plan(&node).map_err(|error| match error {
-            RequestResponseOpenError::IncompatibleRequestOrResponseType => {
-                ConnectError::OtherLayout { domain: domain.clone(), layout: topic::layout_hash() }
-            }
-            error => absent(ports::said(error)),
-        })?;
-        let wake = ports::open_wake(&node).map_err(absent)?;
-        let answered = ports::open_answered(&node).map_err(absent)?;
+        let failed = |cause| connect::failed(&node, domain, connect::REQUESTS, cause);
+        let plan = ports::open_plan::<Current>(&node).map_err(failed)?;
+        let wake = ports::open_wake(&node).map_err(failed)?;
+        let answered = ports::open_answered(&node).map_err(failed)?;
         if plan.dynamic_config().number_of_servers() == 0 {
-            return Err(absent("a planner was there, but has left".to_owned()));
+            return Err(failed(Cause::Absent));
         }
+        let (most_clients, most_open) = {
+            let settings = plan.static_config();
+            (settings.max_clients(), settings.max_active_requests_per_client())
+        };
+        let full = |cause| match cause {
+            Cause::Full => connect::full(domain, connect::CLIENTS, most_clients),
+            cause => failed(cause),
+        };
         let port = plan
             .client_builder()
             .initial_max_slice_len(1024)
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
-            .map_err(|error| full(ports::said(error)))?;
-        // What is left to do for an earlier client in this place can still reach ours: the
-        // replies, and the end of the request. Both go by the request's id, which starts at 0
-        // in every client. `accept` drops the replies by their key; different ids keep
-        // most of both from coming at all.
+            .map_err(|error| full(error.into()))?;
+        // Replies to an earlier client in this place, and the end of its request, can still
+        // reach this one: both go by the request's id, which starts at 0 in every client.
+        // `accept` drops the replies by their key; different ids keep most of both away.
         for _ in 0..nonce % FIRST_IDS {
             drop(port.loan_slice_uninit(0));
         }
-        let ringer = wake.notifier_builder().create().map_err(|error| full(ports::said(error)))?;
+        let ringer = wake.notifier_builder().create().map_err(|error| full(error.into()))?;
         let name = PortName::new(&format!("{nonce:016x}")).expect("16 digits are a name");
         let bell = match how {
             Wait::Poll => None,
@@ -158,11 +104,12 @@ impl Client {
                     .listener_builder()
                     .name(&name)
                     .create()
-                    .map_err(|error| full(ports::said(error)))?,
+                    .map_err(|error| full(error.into()))?,
             ),
         };
         Ok(Self {
             port,
+            most_open,
             ringer,
             wake,
             bell,
@@ -175,20 +122,20 @@ impl Client {
         })
     }
 
-    /// Sends a request. As many as the planner allows can be open at a time.
+    /// Sends a request. The planner limits how many can be open at a time.
     pub fn send(&self, scene: &SceneRequest) -> Result<Pending<'_>, CallError> {
         let mut cells = self.cells.borrow_mut();
         cells.clear();
-        let header = convert::write_scene(scene, self.next_key(), crate::now_ns(), &mut cells)
+        let header = convert::write_scene(scene, self.next_key(), now_ns(), &mut cells)
             .map_err(CallError::Scene)?;
         self.send_cells(header, &cells)
     }
 
-    /// Sends memory as it is, for clients that write requests themselves: the key and the
-    /// wish to be woken are filled in.
+    /// Sends memory as it is, for clients that write requests themselves; fills in the key
+    /// and whether to wake this client.
     pub fn send_cells(
         &self,
-        mut header: schemas::wire::RequestHeader,
+        mut header: wire::RequestHeader,
         cells: &[u64],
     ) -> Result<Pending<'_>, CallError> {
         let key = self.next_key();
@@ -198,17 +145,19 @@ impl Client {
         let mut request = self
             .port
             .loan_slice_uninit(cells.len())
-            .map_err(|error| CallError::Send(ports::said(error)))?;
-        request.user_header_mut().0 = header;
-        let awaited = request
-            .write_from_slice(cells)
-            .send()
-            .map_err(|error| CallError::Send(ports::said(error)))?;
+            .map_err(|error| CallError::Send(error.into()))?;
+        request.user_header_mut().set(header);
+        let awaited = request.write_from_slice(cells).send().map_err(|error| match error {
+            RequestSendError::ExceedsMaxActiveRequests => {
+                CallError::TooManyRequests { most: self.most_open }
+            }
+            error => CallError::Send(error.into()),
+        })?;
         if self.wake.dynamic_config().number_of_listeners() > 0
             && let Err(error) = self.ringer.notify()
         {
-            // The request is sent; a sleeping planner looks for itself before long.
-            tracing::debug!(?error, "could not ring");
+            // The request is sent; a sleeping planner looks before long.
+            tracing::debug!(?error, "can't ring");
         }
         Ok(Pending { awaited, key, client: self })
     }
@@ -217,8 +166,8 @@ impl Client {
         RequestKey { client: self.nonce, sequence: self.sequence.get() }
     }
 
-    /// Sends a request and waits for the whole reply. When the planner dies, waits for
-    /// another and asks again.
+    /// Sends a request and waits for the whole reply. If the planner dies, waits for another
+    /// and asks again.
     pub fn call(&self, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
         let begin = Instant::now();
         let until = begin + limit;
@@ -242,7 +191,7 @@ impl Client {
     }
 }
 
-/// A request that is being answered. Dropped, the planner stops sending.
+/// A request being answered. Dropping it stops the planner from sending.
 #[derive(Debug)]
 pub struct Pending<'a> {
     awaited: Awaited,
@@ -256,36 +205,36 @@ impl Pending<'_> {
         self.key
     }
 
-    /// The next part of the reply as it lies in shared memory, if one is there: `take`
-    /// sees its header and payload. Parts of other requests are dropped.
+    /// The next part of the reply where it lies in shared memory, if one is there: `take`
+    /// sees its header and payload. Parts of other replies are dropped.
     pub fn receive<T>(
         &self,
-        mut take: impl FnMut(&schemas::wire::ReplyHeader, &[u64]) -> T,
+        mut take: impl FnMut(&wire::ReplyHeader, &[u64]) -> T,
     ) -> Result<Option<T>, CallError> {
-        // Asked before looking: only "nothing, and was not connected" means gone.
+        // Ask before looking: only "nothing there, and was not connected" means gone.
         let connected = self.awaited.is_connected();
         loop {
             match self.awaited.receive() {
                 Ok(Some(part)) => {
-                    let header = &part.user_header().0;
+                    let header = part.user_header().plain();
                     if self.accept(header) {
                         return Ok(Some(take(header, part.payload())));
                     }
                     tracing::debug!(
                         client = header.client,
                         sequence = header.sequence,
-                        "dropped a reply to somebody else"
+                        "dropped a reply to another client"
                     );
                 }
                 Ok(None) if connected => return Ok(None),
                 Ok(None) => return Err(CallError::PlannerGone),
-                Err(error) => return Err(CallError::Receive(ports::said(error))),
+                Err(error) => return Err(CallError::Receive(error.into())),
             }
         }
     }
 
     /// Whether a part answers this request.
-    fn accept(&self, header: &schemas::wire::ReplyHeader) -> bool {
+    fn accept(&self, header: &wire::ReplyHeader) -> bool {
         self.key == RequestKey { client: header.client, sequence: header.sequence }
     }
 

@@ -1,4 +1,4 @@
-//! Domains keep systems on one machine apart.
+//! Domains keep systems on the same machine apart.
 
 use std::fs::File;
 use std::os::unix::fs::DirBuilderExt;
@@ -11,6 +11,7 @@ use iceoryx2::prelude::{
 use rustix::fs::FlockOperation;
 use thiserror::Error;
 
+use crate::cause::Cause;
 use crate::wait;
 
 /// The directory for the small files of the bus; the memory itself is in `/dev/shm`.
@@ -22,7 +23,7 @@ const PREFIX: &str = "iox2_";
 /// Longest name of a domain, bytes; names of files are made from it.
 const MOST_NAME: usize = 64;
 
-/// A system of its own: only what is in the same domain can talk.
+/// A system: only programs in the same domain reach each other.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Domain {
     /// Empty for the default domain.
@@ -34,15 +35,16 @@ pub struct Domain {
 pub enum DomainError {
     /// Its name can't be part of a file's name.
     #[error(
-        "domain {0:?}: a name has 1 to {MOST_NAME} letters, digits, '-' or '_', and starts with a letter or digit"
+        "domain {0:?}: a name has 1 to {MOST_NAME} letters, digits, '-' or '_' and starts with a letter \
+         or digit"
     )]
     Name(String),
-    /// No node could be created in it.
+    /// It can't be joined.
     #[error("can't join domain {domain}: {cause}")]
     Join {
         /// The domain.
         domain: Domain,
-        /// What iceoryx2 says.
+        /// Why not.
         cause: String,
     },
 }
@@ -74,7 +76,7 @@ impl Domain {
         config
     }
 
-    /// Takes part in this domain as `role`, after clearing away what died in it.
+    /// Joins this domain as `role`, after removing what died in it.
     pub(crate) fn join(&self, role: &str) -> Result<Node<ipc::Service>, DomainError> {
         let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
         wait::handle_signals().map_err(failed)?;
@@ -85,14 +87,14 @@ impl Domain {
             .config(&self.config())
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<ipc::Service>()
-            .map_err(|error| failed(error.to_string()))
+            .map_err(|error| failed(Cause::from(error).to_string()))
     }
 
-    /// Removes what iceoryx2 leaves behind when the last process has left: a file of
-    /// 16 bytes in `/dev/shm` and empty directories. Does nothing while anybody,
-    /// dead or alive, is in the domain.
+    /// Removes what iceoryx2 leaves behind when the last program has left: a file of
+    /// 16 bytes in `/dev/shm` and empty directories. Does nothing while any program, dead
+    /// or alive, is in the domain.
     pub fn tidy(&self) {
-        // Nobody joins meanwhile. Whoever has joined is in the list.
+        // Nobody joins meanwhile, and whoever has joined is listed.
         let Ok(_lock) = lock(FlockOperation::LockExclusive) else { return };
         let config = self.config();
         let mut nodes = 0;
@@ -103,12 +105,8 @@ impl Domain {
         if listed.is_err() || nodes > 0 {
             return;
         }
-        #[expect(unsafe_code, reason = "the file counts nodes, and there are none")]
-        // SAFETY: nobody is in the domain, and nobody comes while it is locked.
-        let removed =
-            unsafe { iceoryx2::testing::remove_global_mgmt_segment::<ipc::Service>(&config) };
-        if let Err(error) = removed {
-            tracing::debug!(domain = %self, ?error, "could not remove the last file");
+        if let Err(error) = remove_counters(&config.global.prefix.to_string()) {
+            tracing::debug!(domain = %self, %error, "could not remove the last file");
         }
         // Only empty directories go.
         for directory in [config.global.node_dir(), config.global.service_dir()] {
@@ -117,6 +115,35 @@ impl Domain {
         if !self.name.is_empty() {
             let _ = std::fs::remove_dir(config.global.root_path().to_string());
         }
+    }
+}
+
+/// Removes the files in which iceoryx2 counts the nodes of a domain, which no longer has
+/// any: `PREFIX` 40 hexadecimal digits `_node.` version `.global_mgmt`.
+fn remove_counters(prefix: &str) -> std::io::Result<()> {
+    for entry in std::fs::read_dir("/dev/shm")? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let hash = name
+            .to_str()
+            .and_then(|name| name.strip_prefix(prefix)?.strip_suffix(".global_mgmt"))
+            .and_then(|name| Some(name.split_once("_node.")?.0));
+        // The default domain's prefix begins those of all others.
+        if hash.is_some_and(|hash| hash.len() == 40 && hash.bytes().all(|c| c.is_ascii_hexdigit()))
+        {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// Tidies up the domain when everything else is gone.
+#[derive(Debug)]
+pub(crate) struct Tidy(pub(crate) Domain);
+
+impl Drop for Tidy {
+    fn drop(&mut self) {
+        self.0.tidy();
     }
 }
 
@@ -176,6 +203,33 @@ mod tests {
         drop(domain.join("test").unwrap());
         domain.tidy();
         assert!(!std::path::Path::new(ROOT).join(name).exists());
+    }
+
+    /// The files of this domain in `/dev/shm`.
+    fn files(domain: &Domain) -> Vec<String> {
+        let prefix = format!("{PREFIX}{domain}_");
+        let entries = std::fs::read_dir("/dev/shm").unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name.starts_with(&prefix)).collect()
+    }
+
+    #[test]
+    fn the_last_to_leave_leaves_nothing() {
+        let (domain, other) = (test_domain(), test_domain());
+        // Its files begin with the first domain's prefix, as all do with the default's.
+        let longer = Domain::new(&format!("{domain}_{:040x}", 7)).unwrap();
+        let (node, kept) = (domain.join("test").unwrap(), longer.join("test").unwrap());
+        assert_eq!(files(&domain).len(), 2, "{:?}", files(&domain));
+        domain.tidy();
+        assert_eq!(files(&domain).len(), 2, "somebody is there: {:?}", files(&domain));
+        drop(node);
+        other.tidy();
+        domain.tidy();
+        assert_eq!(files(&domain), files(&longer));
+        assert_eq!(files(&longer).len(), 1);
+        drop(kept);
+        longer.tidy();
+        assert_eq!(files(&domain), [""; 0]);
     }
 
     #[test]

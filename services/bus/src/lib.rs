@@ -1,49 +1,49 @@
 //! Typed ports over iceoryx2 shared memory.
 //!
-//! A [`Server`] (the planner) takes scene requests and streams replies to them, part
-//! by part; a [`Client`] asks; a [`TapReader`] (the recorder) sees all of it. This
-//! crate is the only caller of iceoryx2's builders, so every setting of the services
-//! stands in `ports.rs`, and every cure for what can go wrong on the bus stands here:
+//! A [`Server`] (the planner) takes scene requests and streams replies to them, part by
+//! part; a [`Client`] asks; a [`TapReader`] (the recorder) sees all of it. This crate is
+//! the only caller of iceoryx2's builders: `ports.rs` holds every setting of the services,
+//! and every cure for what can go wrong on the bus is here:
 //!
 //! - a reply can reach the wrong client: [`Client`] checks the request key;
 //! - a wake-up can be lost: [`wait`] drains the bell until it is silent;
 //! - a slow or dead client can't hold the server up: see [`ReplyOptions`];
-//! - a slow recorder can't either: it loses messages and [`TapReader`] counts them.
+//! - a slow recorder can't either: it loses messages, and [`TapReader`] counts them.
+//!
+//! # Versions
+//!
+//! A planner serves the current version of the messages and the one before it
+//! ([`schemas::wire::previous`]) side by side, each as a service with its own name, so
+//! clients can be upgraded one by one after the planner. Both share the planner's places
+//! (`max_clients`) and its bells, and are served in turn. The tap carries the current
+//! version only: upgrade recorders together with the planner. A client needs a planner at
+//! least as new as itself ([`ConnectError::OlderPlanner`]).
 
+mod cause;
 pub mod client;
+mod clock;
+mod connect;
 pub mod domain;
+mod error;
 mod headers;
 mod log;
+mod options;
 mod ports;
+mod previous;
 pub mod server;
 pub mod tap;
+#[cfg(test)]
+mod test_domain;
 pub mod wait;
 
-pub use client::{CallError, Client, ConnectError, Pending};
+pub use cause::Cause;
+pub use client::{Client, Pending};
+pub use clock::now_ns;
 pub use domain::{Domain, DomainError};
+pub use error::{CallError, ConnectError, OpenError, ReplyError};
 pub use log::forward_to_tracing;
+pub use options::{ReplyOptions, ServerOptions};
 pub use ports::most_memory;
-pub use server::{Incoming, OpenError, ReplyError, ReplyOptions, ReplySink, Server, ServerOptions};
+pub use server::{Incoming, ReplySink, Server};
 pub use tap::{TapEvent, TapMessage, TapReader};
 pub use wait::{Wait, Woken, terminated};
-
-use std::time::{SystemTime, UNIX_EPOCH};
-
-/// The wall clock, as messages carry it: nanoseconds since the Unix epoch.
-pub fn now_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
-}
-
-#[cfg(test)]
-mod test_domain {
-    use std::sync::atomic::{AtomicU32, Ordering};
-
-    use crate::Domain;
-
-    /// A domain that nobody else uses. The last port that is dropped tidies up.
-    pub(crate) fn test_domain() -> Domain {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        Domain::new(&format!("unit-{}-{count}", std::process::id())).expect("a possible name")
-    }
-}

@@ -1,28 +1,39 @@
-//! The services' settings, all of them: peers must agree on these exactly.
+//! All settings of the services, on which peers must agree.
 //!
-//! Payloads have the alignment of their cells. To ask for a cache line would have
-//! iceoryx2 reserve one for every cell.
+//! Payloads have the alignment of their cells: with that of a cache line, iceoryx2 would
+//! reserve a line for every cell.
 
-use iceoryx2::prelude::{Node, ServiceName, ipc};
-use iceoryx2::service::builder::request_response::RequestResponseOpenError;
+use std::time::Duration;
+
+use iceoryx2::active_request::ActiveRequest;
+use iceoryx2::port::BackpressureAction;
+use iceoryx2::port::server::Server;
+use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ServiceName, ipc};
+use iceoryx2::service::port_factory::server::ServerCreateError;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
-use schemas::topic;
+use schemas::{topic, wire};
 
-use crate::headers::{ReplyHeader, RequestHeader, TapHeader};
-use crate::server::ServerOptions;
+use crate::cause::Cause;
+use crate::headers::{TapHeader, Version};
+use crate::options::ServerOptions;
 
-pub(crate) type Plan =
-    request_response::PortFactory<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
+/// The planning service in a version of the messages, and its ends.
+pub(crate) type Plan<V> = request_response::PortFactory<
+    ipc::Service,
+    [u64],
+    <V as Version>::Request,
+    [u64],
+    <V as Version>::Reply,
+>;
+pub(crate) type PlanServer<V> =
+    Server<ipc::Service, [u64], <V as Version>::Request, [u64], <V as Version>::Reply>;
+pub(crate) type PlanRequest<V> =
+    ActiveRequest<ipc::Service, [u64], <V as Version>::Request, [u64], <V as Version>::Reply>;
 pub(crate) type Tap = publish_subscribe::PortFactory<ipc::Service, [u64], TapHeader>;
 pub(crate) type Bell = event::PortFactory<ipc::Service>;
 
 fn name(name: &str) -> ServiceName {
     ServiceName::new(name).expect("topic names are valid")
-}
-
-/// What iceoryx2 said, whichever of its error types it is.
-pub(crate) fn said(error: impl std::fmt::Debug) -> String {
-    format!("{error:?}")
 }
 
 /// Parts of one reply that wait in shared memory for the client to take them.
@@ -31,18 +42,21 @@ pub(crate) const REPLY_BUFFER: usize = 8;
 /// Parts of one reply that a client holds at a time.
 const BORROWED: usize = 2;
 
+/// Parts of one reply that the planner writes at a time.
+const LOANED: usize = 1;
+
 /// Messages of the tap that a recorder holds at a time.
 const TAP_BORROWED: usize = 2;
 
-pub(crate) fn create_plan(
+pub(crate) fn create_plan<V: Version>(
     node: &Node<ipc::Service>,
     options: &ServerOptions,
-) -> Result<Plan, String> {
-    node.service_builder(&name(topic::PLAN))
+) -> Result<Plan<V>, Cause> {
+    node.service_builder(&name(V::PLAN))
         .request_response::<[u64], [u64]>()
-        .request_user_header::<RequestHeader>()
-        .response_user_header::<ReplyHeader>()
-        // Nothing vanishes silently: a full buffer is the sender's to deal with.
+        .request_user_header::<V::Request>()
+        .response_user_header::<V::Reply>()
+        // Nothing vanishes silently: the sender deals with a full buffer.
         .enable_safe_overflow_for_requests(false)
         .enable_safe_overflow_for_responses(false)
         .enable_fire_and_forget_requests(false)
@@ -54,21 +68,42 @@ pub(crate) fn create_plan(
         .max_response_buffer_size(REPLY_BUFFER)
         .max_borrowed_responses_per_pending_response(BORROWED)
         .open_or_create()
-        .map_err(said)
+        .map_err(Cause::from)
 }
 
-pub(crate) fn open_plan(node: &Node<ipc::Service>) -> Result<Plan, RequestResponseOpenError> {
-    node.service_builder(&name(topic::PLAN))
+pub(crate) fn open_plan<V: Version>(node: &Node<ipc::Service>) -> Result<Plan<V>, Cause> {
+    node.service_builder(&name(V::PLAN))
         .request_response::<[u64], [u64]>()
-        .request_user_header::<RequestHeader>()
-        .response_user_header::<ReplyHeader>()
+        .request_user_header::<V::Request>()
+        .response_user_header::<V::Reply>()
         .open()
+        .map_err(Cause::from)
 }
 
-pub(crate) fn create_tap(
-    node: &Node<ipc::Service>,
-    options: &ServerOptions,
-) -> Result<Tap, String> {
+/// The planner's end of a planning service. `parts` makes the number of reply parts in
+/// memory from the number that all clients together can hold.
+pub(crate) fn create_plan_server<V: Version>(
+    plan: &Plan<V>,
+    patience: Duration,
+    parts: fn(usize) -> usize,
+) -> Result<PlanServer<V>, ServerCreateError> {
+    plan.server_builder()
+        .initial_max_slice_len(wire::PART_CELLS)
+        .allocation_strategy(AllocationStrategy::Static)
+        .override_response_preallocation(parts)
+        .max_loaned_responses_per_request(LOANED)
+        .backpressure_strategy(BackpressureStrategy::DiscardData)
+        .set_backpressure_handler(move |waiting| {
+            if waiting.elapsed_time < patience {
+                BackpressureAction::Retry
+            } else {
+                BackpressureAction::DiscardDataAndFail
+            }
+        })
+        .create()
+}
+
+pub(crate) fn create_tap(node: &Node<ipc::Service>, options: &ServerOptions) -> Result<Tap, Cause> {
     node.service_builder(&name(topic::TAP))
         .publish_subscribe::<[u64]>()
         .user_header::<TapHeader>()
@@ -82,22 +117,22 @@ pub(crate) fn create_tap(
         .subscriber_max_borrowed_samples(TAP_BORROWED)
         .history_size(0)
         .open_or_create()
-        .map_err(said)
+        .map_err(Cause::from)
 }
 
-pub(crate) fn open_tap(node: &Node<ipc::Service>) -> Result<Tap, String> {
+pub(crate) fn open_tap(node: &Node<ipc::Service>) -> Result<Tap, Cause> {
     node.service_builder(&name(topic::TAP))
         .publish_subscribe::<[u64]>()
         .user_header::<TapHeader>()
         .open()
-        .map_err(said)
+        .map_err(Cause::from)
 }
 
 /// Clients ring it, the planner listens.
 pub(crate) fn create_wake(
     node: &Node<ipc::Service>,
     options: &ServerOptions,
-) -> Result<Bell, String> {
+) -> Result<Bell, Cause> {
     bell(node, topic::WAKE, 1, options.max_clients)
 }
 
@@ -105,7 +140,7 @@ pub(crate) fn create_wake(
 pub(crate) fn create_answered(
     node: &Node<ipc::Service>,
     options: &ServerOptions,
-) -> Result<Bell, String> {
+) -> Result<Bell, Cause> {
     bell(node, topic::ANSWERED, options.max_clients, 1)
 }
 
@@ -114,33 +149,41 @@ fn bell(
     topic: &str,
     listeners: usize,
     notifiers: usize,
-) -> Result<Bell, String> {
+) -> Result<Bell, Cause> {
     node.service_builder(&name(topic))
         .event()
         .max_listeners(listeners)
         .max_notifiers(notifiers)
         .max_nodes(listeners + notifiers + 4)
         .open_or_create()
-        .map_err(said)
+        .map_err(Cause::from)
 }
 
-pub(crate) fn open_wake(node: &Node<ipc::Service>) -> Result<Bell, String> {
-    node.service_builder(&name(topic::WAKE)).event().open().map_err(said)
+pub(crate) fn open_wake(node: &Node<ipc::Service>) -> Result<Bell, Cause> {
+    node.service_builder(&name(topic::WAKE)).event().open().map_err(Cause::from)
 }
 
-pub(crate) fn open_answered(node: &Node<ipc::Service>) -> Result<Bell, String> {
-    node.service_builder(&name(topic::ANSWERED)).event().open().map_err(said)
+pub(crate) fn open_answered(node: &Node<ipc::Service>) -> Result<Bell, Cause> {
+    node.service_builder(&name(topic::ANSWERED)).event().open().map_err(Cause::from)
 }
 
-/// The most shared memory that the planner's side can come to use, bytes: every
-/// buffer full of the largest messages. What is never used is never taken. What clients
-/// take for their requests is theirs to choose, and comes on top.
+/// Reply parts in memory for clients of the previous version: as all of them share the
+/// places of `max_clients` with those of the current one, a quarter of what they could
+/// hold, and always what one client can.
+pub(crate) fn previous_parts(all: usize) -> usize {
+    (all / 4).max(REPLY_BUFFER + BORROWED + LOANED)
+}
+
+/// The most shared memory that the planner's side can come to use, bytes: every buffer full
+/// of the largest messages. What is never used is never taken. Clients choose what they
+/// take for their requests; that comes on top.
 pub fn most_memory(options: &ServerOptions) -> u64 {
     // iceoryx2's own count: a server may still hold as many requests as it answers.
     let answers = options.max_clients.saturating_mul(2 * options.requests_per_client);
-    let reply_parts = answers.saturating_mul(REPLY_BUFFER + BORROWED + 1);
+    let parts = answers.saturating_mul(REPLY_BUFFER + BORROWED + LOANED);
     let tap_messages =
         options.max_recorders.saturating_mul(options.tap_buffer.saturating_add(TAP_BORROWED)) + 1;
-    let message = (schemas::wire::PART_CELLS * 8 + 512) as u64;
-    (reply_parts as u64).saturating_add(tap_messages as u64).saturating_mul(message)
+    let message = (wire::PART_CELLS * 8 + 512) as u64;
+    let messages = parts.saturating_add(previous_parts(parts)).saturating_add(tap_messages);
+    (messages as u64).saturating_mul(message)
 }

@@ -1,8 +1,9 @@
 //! The planner's copy of all traffic, and its reader.
 //!
-//! One sequence runs over requests and replies, in the order in which the planner
-//! took and sent them. Nothing is copied while nobody listens. A heartbeat carries
-//! the next sequence number, so that a loss at the very end shows as well.
+//! One sequence runs over requests and replies, in the order in which the planner took and
+//! sent them, whatever version their client speaks: the tap carries the current one.
+//! Nothing is copied while nobody listens. A heartbeat carries the next sequence number,
+//! so a loss at the very end shows as well.
 
 use std::time::{Duration, Instant};
 
@@ -14,11 +15,13 @@ use schemas::convert::{self, Malformed};
 use schemas::message::{ReplyPart, Request};
 use schemas::wire;
 
-use crate::client::ConnectError;
-use crate::domain::Domain;
-use crate::headers::TapHeader;
+use crate::cause::Cause;
+use crate::clock::now_ns;
+use crate::connect;
+use crate::domain::{Domain, Tidy};
+use crate::error::ConnectError;
+use crate::headers::{TapHeader, UserHeader};
 use crate::ports;
-use crate::server::Tidy;
 use crate::wait;
 
 /// Cells of one message of the tap: a whole reply part with its header fits; longer
@@ -43,14 +46,14 @@ pub(crate) struct TapWriter {
 }
 
 impl TapWriter {
-    pub(crate) fn create(service: ports::Tap) -> Result<Self, String> {
+    pub(crate) fn create(service: ports::Tap) -> Result<Self, Cause> {
         let port = service
             .publisher_builder()
             .initial_max_slice_len(MESSAGE_CELLS)
             .allocation_strategy(AllocationStrategy::Static)
             .max_loaned_samples(1)
             .create()
-            .map_err(ports::said)?;
+            .map_err(Cause::from)?;
         Ok(Self { port, service, sequence: 0, beaten: Instant::now() })
     }
 
@@ -96,11 +99,14 @@ impl TapWriter {
     fn send(&mut self, kind: u32, sequence: u64, piece: Piece, head: &[u64], cells: &[u64]) {
         let mut sample = match self.port.loan_slice_uninit(head.len() + cells.len()) {
             Ok(sample) => sample,
-            Err(error) => return tracing::warn!(?error, "the tap lost a message"),
+            Err(error) => {
+                let cause = Cause::from(error);
+                return tracing::warn!(%cause, "the tap lost a message");
+            }
         };
         let piece = piece.code();
-        sample.user_header_mut().0 =
-            wire::TapHeader { sequence, time_ns: crate::now_ns(), kind, piece };
+        let header = wire::TapHeader { sequence, time_ns: now_ns(), kind, piece };
+        sample.user_header_mut().set(header);
         let (first, second) = sample.payload_mut().split_at_mut(head.len());
         first.write_copy_of_slice(head);
         second.write_copy_of_slice(cells);
@@ -108,7 +114,7 @@ impl TapWriter {
         // SAFETY: all cells are written.
         let written = unsafe { sample.assume_init() };
         if let Err(error) = written.send() {
-            tracing::warn!(?error, "the tap lost a message");
+            tracing::warn!(cause = %Cause::from(error), "the tap lost a message");
         }
     }
 }
@@ -138,13 +144,13 @@ impl Piece {
 pub enum TapEvent {
     /// A message.
     Message(TapMessage),
-    /// Messages that came too fast and are lost.
+    /// Messages came too fast and are lost.
     Lost {
         /// How many bus messages.
         messages: u64,
     },
-    /// Another planner took over; its sequence starts anew. What the old one sent last
-    /// may be lost.
+    /// Another planner took over and numbers its messages anew. The last messages of the
+    /// old one may be lost.
     Restarted,
 }
 
@@ -159,6 +165,21 @@ pub enum TapMessage {
 }
 
 /// A recorder's end of the tap.
+///
+/// ```no_run
+/// use bus::{Domain, TapEvent, TapReader};
+///
+/// let mut tap = TapReader::connect(&Domain::default())?;
+/// while !tap.terminated() {
+///     match tap.receive() {
+///         Some(TapEvent::Message(message)) => println!("{message:?}"),
+///         Some(TapEvent::Lost { messages }) => println!("{messages} messages lost"),
+///         Some(TapEvent::Restarted) => println!("another planner"),
+///         None => std::thread::sleep(std::time::Duration::from_millis(1)),
+///     }
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct TapReader {
     port: Subscriber<ipc::Service, [u64], TapHeader>,
@@ -177,11 +198,14 @@ impl TapReader {
     /// Listens to the planner of a domain.
     pub fn connect(domain: &Domain) -> Result<Self, ConnectError> {
         let node = domain.join("recorder")?;
-        let failed = |cause| ConnectError::NoPlanner { domain: domain.clone(), cause };
+        let failed = |cause| connect::failed(&node, domain, connect::TAP, cause);
         let service = ports::open_tap(&node).map_err(failed)?;
-        let buffer = service.static_config().subscriber_max_buffer_size();
-        let port = service.subscriber_builder().buffer_size(buffer).create().map_err(|error| {
-            ConnectError::Full { domain: domain.clone(), cause: ports::said(error) }
+        let settings = service.static_config();
+        let (buffer, most) = (settings.subscriber_max_buffer_size(), settings.max_subscribers());
+        let port = service.subscriber_builder().buffer_size(buffer).create();
+        let port = port.map_err(|error| match error.into() {
+            Cause::Full => connect::full(domain, connect::RECORDERS, most),
+            cause => failed(cause),
         })?;
         Ok(Self {
             port,
@@ -193,7 +217,7 @@ impl TapReader {
         })
     }
 
-    /// Whether SIGINT or SIGTERM has asked to end.
+    /// Whether a signal has asked to end.
     pub fn terminated(&self) -> bool {
         wait::terminated()
     }
@@ -207,11 +231,11 @@ impl TapReader {
             let sample = match self.port.receive() {
                 Ok(sample) => sample?,
                 Err(error) => {
-                    tracing::warn!(?error, "could not receive from the tap");
+                    tracing::warn!(cause = %Cause::from(error), "can't receive from the tap");
                     return None;
                 }
             };
-            let header = sample.user_header().0;
+            let header = *sample.user_header().plain();
             let publisher = sample.header().publisher_id();
             let restarted = self.publisher.replace(publisher).is_some_and(|old| old != publisher);
             if restarted {
@@ -316,7 +340,7 @@ fn read_message(header: &wire::TapHeader, cells: &[u64]) -> Option<TapMessage> {
             greatest: BEAT.into(),
         }),
     };
-    // A planner of this layout writes no such thing.
+    // A planner of this version writes no such thing.
     read.inspect_err(|error| tracing::warn!(%error, "unreadable message on the tap")).ok()
 }
 

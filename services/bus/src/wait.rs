@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::ipc;
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 /// How a process waits for messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wait {
-    /// Sleeps at once; costs nothing while idle, two wake-ups per round trip.
+    /// Sleeps at once: idle costs nothing, a round trip costs two wake-ups.
     Event,
     /// Spins for [`SPIN`], then sleeps: fast under load, free while idle.
     #[default]
@@ -23,13 +23,12 @@ pub enum Wait {
 /// How long [`Wait::Hybrid`] spins: about as long as two wake-ups across cores take.
 pub const SPIN: Duration = Duration::from_micros(50);
 
-/// How long a wait lasts at most: the net under lost wake-ups and the longest time
-/// until a signal is seen.
+/// The longest wait: a safety net for lost wake-ups, and the longest time until a signal is
+/// seen.
 pub const NET: Duration = Duration::from_millis(100);
 
-/// How long the first sleep of a wait lasts at most: a finer net under what
-/// [`silence`] makes rare but can't rule out, a notifier that is held up for longer
-/// than the rounds of silencing take.
+/// The longest first sleep of a wait: a finer net for what [`silence`] makes rare but can't
+/// rule out, a notifier held up for longer than the rounds of silencing take.
 const NAP: Duration = Duration::from_millis(1);
 
 /// Why a wait ended.
@@ -37,13 +36,13 @@ const NAP: Duration = Duration::from_millis(1);
 pub enum Woken {
     /// There may be something to do; look.
     Look,
-    /// SIGINT or SIGTERM asks to end.
+    /// A signal asks the process to end.
     Terminate,
 }
 
 /// Waits until `ready` holds or the bell rings, at most until `until`, at most [`NET`].
 ///
-/// Who polls has no bell, so that the other side does not ring it.
+/// A poller has no bell, so the other side rings none.
 pub(crate) fn wait(
     how: Wait,
     bell: Option<&Listener<ipc::Service>>,
@@ -118,26 +117,39 @@ fn silence(bell: &Listener<ipc::Service>) {
     while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}
 }
 
-/// Set by SIGINT and SIGTERM, for good.
+/// Set for good by SIGINT, SIGTERM and SIGHUP.
 ///
-/// iceoryx2's own handler is of no use here: it keeps only the last of a dozen kinds of
-/// signals, and forgets even that one when it is asked for it.
+/// iceoryx2's own handler keeps only the last of a dozen kinds of signals, and forgets it
+/// once asked.
 static TERMINATED: LazyLock<Result<Arc<AtomicBool>, String>> = LazyLock::new(|| {
     let flag = Arc::default();
-    for signal in [SIGINT, SIGTERM] {
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        // Started by `nohup`, a process outlives its terminal.
+        if signal == SIGHUP && is_ignored(SIGHUP) {
+            continue;
+        }
         signal_hook::flag::register(signal, Arc::clone(&flag))
-            .map_err(|error| error.to_string())?;
+            .map_err(|error| format!("can't handle signals: {error}"))?;
     }
     Ok(flag)
 });
 
-/// From now on SIGINT and SIGTERM ask to end instead of ending the process, so that
-/// ports are dropped and leave nothing behind in shared memory.
+/// Whether this process was started with a signal ignored.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+/// From now on SIGINT, SIGTERM and SIGHUP ask the process to end instead of ending it, so
+/// that ports are dropped and leave nothing behind in shared memory. A SIGHUP that was
+/// ignored from the start, as under `nohup`, stays ignored.
 pub(crate) fn handle_signals() -> Result<(), String> {
     TERMINATED.as_ref().map(|_| ()).map_err(Clone::clone)
 }
 
-/// Whether SIGINT or SIGTERM has asked to end since this process first took part in a
+/// Whether SIGINT, SIGTERM or SIGHUP has asked to end since this process first joined a
 /// domain. Costs one load.
 pub fn terminated() -> bool {
     TERMINATED.as_ref().is_ok_and(|flag| flag.load(Ordering::Relaxed))

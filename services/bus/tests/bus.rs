@@ -14,3 +14,7 @@ mod round_trip;
 mod support;
 #[path = "bus/tap.rs"]
 mod tap;
+#[path = "bus/version_1.rs"]
+mod version_1;
+#[path = "bus/versions.rs"]
+mod versions;

@@ -1,88 +1,14 @@
-//! The inside of a file: its records as fields, its chunks as messages.
+//! The inside of a chunk: its records as messages.
 
 use std::collections::BTreeMap;
 
 use mcap::records::op;
 use schemas::{codec, topic};
 
-use crate::read::{Damage, Message, ReadError, Record};
-use crate::{Summary, Topic};
-
-/// Opcode and length before every record.
-pub(crate) const RECORD_HEAD: usize = 1 + 8;
-
-/// Takes fields off the front of a record. Lengths are checked against what is there
-/// before anything is reserved for them.
-pub(crate) struct Fields<'a>(pub(crate) &'a [u8]);
-
-impl<'a> Fields<'a> {
-    pub(crate) fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
-    }
-
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (taken, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*taken)
-    }
-
-    fn u8(&mut self) -> Option<u8> {
-        self.array().map(u8::from_le_bytes)
-    }
-
-    fn u16(&mut self) -> Option<u16> {
-        self.array().map(u16::from_le_bytes)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    fn block(&mut self) -> Option<&'a [u8]> {
-        let count = self.u32()?;
-        self.bytes(count as usize)
-    }
-
-    pub(crate) fn text(&mut self) -> Option<&'a str> {
-        std::str::from_utf8(self.block()?).ok()
-    }
-
-    /// Opcode and body of the next record.
-    pub(crate) fn record(&mut self) -> Option<(u8, &'a [u8])> {
-        let opcode = self.u8()?;
-        let length = usize::try_from(self.u64()?).ok()?;
-        Some((opcode, self.bytes(length)?))
-    }
-}
-
-impl Summary {
-    /// The summary in the body of a metadata record, if that is one.
-    pub(crate) fn parse(body: &[u8]) -> Option<Self> {
-        let mut fields = Fields(body);
-        if fields.text()? != crate::SUMMARY_NAME {
-            return None;
-        }
-        let mut pairs = Fields(fields.block()?);
-        let mut summary = Self::default();
-        while !pairs.0.is_empty() {
-            let (name, value) = (pairs.text()?, pairs.text()?);
-            let field = match name {
-                "recorded" => &mut summary.recorded,
-                "lost" => &mut summary.lost,
-                "gaps" => &mut summary.gaps,
-                _ => continue,
-            };
-            *field = value.parse().ok()?;
-        }
-        Some(summary)
-    }
-}
+use crate::error::{Damage, ReadError};
+use crate::fields::Fields;
+use crate::format::{Topic, VERSION_KEY};
+use crate::record::{Message, Record};
 
 /// The records in the body of a chunk, once their checksum is verified, and where they
 /// begin in it.
@@ -101,7 +27,7 @@ pub(crate) fn verify(body: &[u8]) -> Result<(usize, &[u8]), Damage> {
     if compressed != given || uncompressed != given {
         return Err(Damage::ChunkLength { claimed: compressed, given });
     }
-    // MCAP lets 0 stand for "none": nothing would vouch for the messages.
+    // In MCAP 0 means "none"; nothing would vouch for the messages.
     let calculated = crc32fast::hash(fields.0);
     if saved != calculated {
         return Err(Damage::Checksum { of: "a chunk", saved, calculated });
@@ -114,7 +40,7 @@ pub(crate) fn verify(body: &[u8]) -> Result<(usize, &[u8]), Damage> {
 pub(crate) struct Channels {
     schemas: BTreeMap<u16, Schema>,
     /// `None`: not one of ours.
-    topics: BTreeMap<u16, Option<Topic>>,
+    topics: BTreeMap<u16, Option<(Topic, u32)>>,
 }
 
 #[derive(PartialEq)]
@@ -204,12 +130,14 @@ impl Channels {
     fn add_channel(&mut self, mut fields: Fields, offset: u64) -> Option<Result<(), ReadError>> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let (name, encoding) = (fields.text()?, fields.text()?);
-        let topic = Topic::ALL.into_iter().find(|topic| topic.name() == name);
-        if let Some(topic) = topic
-            && let Err(error) = self.check_layout(topic, schema, encoding, offset)
-        {
-            return Some(Err(error));
-        }
+        let version = fields.value_of(VERSION_KEY)?;
+        let topic = match Topic::ALL.into_iter().find(|topic| topic.name() == name) {
+            None => None,
+            Some(topic) => match self.identify(topic, schema, encoding, version, offset) {
+                Ok(version) => Some((topic, version)),
+                Err(error) => return Some(Err(error)),
+            },
+        };
         let known = *self.topics.entry(id).or_insert(topic);
         Some(if known == topic {
             Ok(())
@@ -219,34 +147,45 @@ impl Channels {
         })
     }
 
-    /// Checks that a channel of ours holds what this crate writes.
-    fn check_layout(
+    /// The version of the messages of a channel of ours: what it says there, and 1 where it
+    /// says nothing. The schema's text is for people and not looked at.
+    fn identify(
         &self,
         topic: Topic,
         schema: u16,
         encoding: &str,
+        version: Option<&str>,
         offset: u64,
-    ) -> Result<(), ReadError> {
+    ) -> Result<u32, ReadError> {
         let check = |what, found: &str, expected: &str| {
             if found == expected {
                 return Ok(());
             }
-            let (found, expected) = (brief(found), brief(expected));
-            Err(ReadError::Layout { offset, topic: topic.name(), what, found, expected })
+            let (found, expected) = (brief(found), expected.to_owned());
+            Err(ReadError::Channel { offset, topic: topic.name(), what, found, expected })
         };
         check("message encoding", encoding, topic::ENCODING)?;
         let Some(schema) = self.schemas.get(&schema) else {
-            return check("schema", "none", topic.schema_name());
+            check("schema", "none", topic.schema_name())?;
+            return Ok(1);
         };
         check("schema name", &schema.name, topic.schema_name())?;
         check("schema encoding", &schema.encoding, topic::ENCODING)?;
-        check("schema", &String::from_utf8_lossy(&schema.data), topic.schema())
+        let text = version.unwrap_or("1");
+        match text.parse() {
+            Ok(version) if (1..=codec::VERSION).contains(&version) => Ok(version),
+            Ok(found) => {
+                let (topic, schema, newest) = (topic.name(), topic.schema_name(), codec::VERSION);
+                Err(ReadError::Version { offset, topic, schema, found, newest })
+            }
+            Err(_) => check(VERSION_KEY, text, "a number").map(|()| 1),
+        }
     }
 
     fn message(&self, mut fields: Fields, offset: u64) -> Option<Result<Step, ReadError>> {
         let (channel, sequence) = (fields.u16()?, fields.u32()?);
         let (log_ns, publish_ns) = (fields.u64()?, fields.u64()?);
-        let topic = match self.topics.get(&channel) {
+        let (topic, version) = match self.topics.get(&channel) {
             Some(Some(topic)) => *topic,
             Some(None) => return Some(Ok(Step::Skipped)),
             None => {
@@ -255,8 +194,8 @@ impl Channels {
             }
         };
         let message = match topic {
-            Topic::Request => codec::decode(fields.0).map(Message::Request),
-            Topic::Reply => codec::decode(fields.0).map(Message::Reply),
+            Topic::Request => codec::decode_request(version, fields.0).map(Message::Request),
+            Topic::Reply => codec::decode_reply(version, fields.0).map(Message::Reply),
         };
         Some(match message {
             Ok(message) => {

@@ -7,198 +7,26 @@ use std::path::Path;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
-use schemas::codec::DecodeError;
-use schemas::message::{ReplyPart, Request};
 use schemas::topic;
-use thiserror::Error;
 
-use crate::chunk::{self, Channels, Fields, Gaps, RECORD_HEAD, Records, Step};
-use crate::{MOST_RECORD_BYTES, Summary};
-
-/// A recorded message.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "moved once, from the reader to its caller")]
-pub enum Message {
-    /// From `/planner/request`.
-    Request(Request),
-    /// From `/planner/reply`.
-    Reply(ReplyPart),
-}
-
-/// A recorded message with its time stamps.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Record {
-    /// What was sent.
-    pub message: Message,
-    /// When the recorder took it; nanoseconds since the Unix epoch.
-    pub log_ns: u64,
-    /// When it was sent; nanoseconds since the Unix epoch.
-    pub publish_ns: u64,
-    /// Counts the bus's messages, those that the recorder missed included; wraps around.
-    pub sequence: u32,
-}
-
-/// Why a recording can't be read (on).
-#[derive(Debug, Error)]
-pub enum ReadError {
-    /// The system does not give its bytes.
-    #[error("reading fails at byte {offset}: {source}")]
-    Io {
-        /// Where in the file.
-        offset: u64,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// It is no MCAP file.
-    #[error("this is no MCAP file: it begins with the bytes {found:02x?}")]
-    NotMcap {
-        /// Its first bytes, at most 8.
-        found: Vec<u8>,
-    },
-    /// It is an MCAP file of another profile.
-    #[error("this is no recording of planning: its profile is {found:?}, not {expected:?}")]
-    Profile {
-        /// The file's profile.
-        found: String,
-        /// A recording's profile.
-        expected: &'static str,
-    },
-    /// A channel has our name but holds something else, for instance the messages of
-    /// another version.
-    #[error("byte {offset}: the {what} of {topic} is {found:?}, this version reads {expected:?}")]
-    Layout {
-        /// Where in the file.
-        offset: u64,
-        /// The channel.
-        topic: &'static str,
-        /// What differs.
-        what: &'static str,
-        /// How it begins in the file.
-        found: String,
-        /// How it should begin.
-        expected: String,
-    },
-    /// The file was not finished, as when its recorder was killed. All messages before
-    /// `offset` were read.
-    #[error("the recording is cut: it ends at byte {end}, within what begins at byte {offset}")]
-    Cut {
-        /// Where the first record begins that is not whole.
-        offset: u64,
-        /// Where the file ends.
-        end: u64,
-    },
-    /// Its bytes are not what was written. All messages before `offset` were read.
-    #[error("the recording is damaged at byte {offset}: {damage}")]
-    Damaged {
-        /// Where the damaged record begins.
-        offset: u64,
-        /// What is wrong with it.
-        damage: Damage,
-    },
-    /// A message's bytes are as they were written, but are no message.
-    #[error("byte {offset}: message {sequence} of {topic} can't be decoded: {source}")]
-    Message {
-        /// Where its record begins.
-        offset: u64,
-        /// Its channel.
-        topic: &'static str,
-        /// Its number.
-        sequence: u32,
-        /// Why not.
-        source: DecodeError,
-    },
-}
-
-impl ReadError {
-    /// Whether the file just ends early, with everything before its end in order.
-    pub fn is_cut(&self) -> bool {
-        matches!(self, Self::Cut { .. })
-    }
-}
-
-/// What is wrong with bytes of a recording.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum Damage {
-    /// A checksum is not that of the bytes.
-    #[error("the checksum of {of} is {saved:08x}, that of its bytes {calculated:08x}")]
-    Checksum {
-        /// What the checksum is of.
-        of: &'static str,
-        /// The file's.
-        saved: u32,
-        /// That of the bytes.
-        calculated: u32,
-    },
-    /// A record claims to be longer than any.
-    #[error("a record of kind {kind:#04x} claims {claimed} bytes, more than {most}")]
-    TooLong {
-        /// Its opcode.
-        kind: u8,
-        /// Bytes claimed.
-        claimed: u64,
-        /// Bytes allowed.
-        most: u64,
-    },
-    /// A record runs beyond the file's end although the file was finished.
-    #[error("a record claims more bytes than the file has left")]
-    BeyondEnd,
-    /// A chunk and its header disagree about its size.
-    #[error("a chunk claims {claimed} bytes of records and has {given}")]
-    ChunkLength {
-        /// Bytes claimed.
-        claimed: u64,
-        /// Bytes given.
-        given: u64,
-    },
-    /// The fields of a record do not fit into it.
-    #[error("{what} breaks off")]
-    Broken {
-        /// What it is.
-        what: &'static str,
-    },
-    /// A chunk is compressed, which recordings never are.
-    #[error("a chunk is compressed by {method:?}, which is not supported")]
-    Compressed {
-        /// The method's name in MCAP.
-        method: String,
-    },
-    /// A record stands where it can't.
-    #[error("{what} stands where there should be none")]
-    Misplaced {
-        /// What it is.
-        what: &'static str,
-    },
-    /// A message names a channel that the file does not.
-    #[error("a message is of channel {channel}, which is not in the file")]
-    UnknownChannel {
-        /// The channel's number.
-        channel: u16,
-    },
-    /// A number stands for two different things.
-    #[error("{what} {id} is there twice, differently")]
-    Redefined {
-        /// What it is.
-        what: &'static str,
-        /// Its number.
-        id: u16,
-    },
-    /// Anything else that the format forbids.
-    #[error("{0}")]
-    Other(String),
-}
+use crate::chunk::{self, Channels, Gaps, Records, Step};
+use crate::error::{Damage, ReadError};
+use crate::fields::{Fields, RECORD_HEAD};
+use crate::format::MOST_RECORD_BYTES;
+use crate::record::Record;
+use crate::summary::Summary;
 
 /// Reads a recording from its beginning, in file order, which is bus order.
 ///
-/// It returns messages of chunks whose checksum it has verified, and nothing else. After
-/// the first error it returns nothing more; the messages before are right. Channels of
-/// other names, such as those that viewers show, are passed over and counted.
+/// It returns messages of chunks whose checksum it has verified, and nothing else. After the
+/// first error it returns nothing more; the messages before are right. Channels with other
+/// names, such as those for viewers, are skipped and counted.
 ///
-/// The file is read as a stream; memory is taken for one chunk, and never more than the
-/// file has left.
+/// The file is read as a stream; memory is taken for one chunk, and never more than the file
+/// has left.
 ///
-/// Damage to a length in a file that was not finished can look like a cut, and the
-/// checksum over all of the file, which shows that nothing is missing between the
-/// chunks, is only known at its end.
+/// Damage to a length in an unfinished file can look like a cut. The checksum over the whole
+/// file, which shows that no chunk is missing, is known only at its end.
 pub struct Reader<R: Read = File> {
     input: R,
     linear: LinearReader,
@@ -263,7 +91,7 @@ impl<R: Read> Reader<R> {
         match reader.advance()? {
             Outer::Header => Ok(reader),
             Outer::Chunk | Outer::End => {
-                let damage = Damage::Misplaced { what: "another record than the header" };
+                let damage = Damage::Misplaced { what: "something else before the header" };
                 Err(ReadError::Damaged { offset: MAGIC.len() as u64, damage })
             }
         }
@@ -279,24 +107,23 @@ impl<R: Read> Reader<R> {
         self.offset
     }
 
-    /// Messages of other channels that were passed over so far.
+    /// Messages of other channels skipped so far.
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// How many messages are missing before and between those read so far, by their
-    /// sequence numbers.
+    /// Messages missing before and between those read so far, by their sequence numbers.
     pub fn lost(&self) -> u64 {
         self.gaps.lost
     }
 
-    /// How often messages in a row are missing.
+    /// Runs of missing messages.
     pub fn gaps(&self) -> u64 {
         self.gaps.gaps
     }
 
-    /// What the recording says of itself at its end; known once the last message was
-    /// read, if the recorder finished the file.
+    /// The recording's own summary; known once the last message is read, if the recorder
+    /// finished the file.
     pub fn summary(&self) -> Option<Summary> {
         self.claimed.filter(|_| self.data_ended)
     }
@@ -359,7 +186,7 @@ impl<R: Read> Reader<R> {
                     return Ok(Outer::Header);
                 }
                 _ if first => {
-                    let what = "another record than the header";
+                    let what = "something else before the header";
                     return damaged(Damage::Misplaced { what });
                 }
                 op::HEADER => return damaged(Damage::Misplaced { what: "a header" }),
@@ -401,7 +228,7 @@ impl<R: Read> Reader<R> {
             }
             McapError::BadDataCrc { saved, calculated } => of("all data", saved, calculated),
             McapError::BadSummaryCrc { saved, calculated } => of("the index", saved, calculated),
-            McapError::BytesAfterEndMagic => Damage::Misplaced { what: "more after the end" },
+            McapError::BytesAfterEndMagic => Damage::Misplaced { what: "bytes after the end" },
             McapError::BadMagic => Damage::Broken { what: "the end mark" },
             McapError::Parse(_) => Damage::Broken { what: "the index" },
             other => Damage::Other(other.to_string()),

@@ -1,4 +1,4 @@
-//! Saving what is whole in a file that is not.
+//! Recovering the intact messages of a damaged file.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -8,21 +8,26 @@ use std::path::{Path, PathBuf};
 use mcap::records::op;
 use thiserror::Error;
 
-use crate::chunk::{self, Channels, Gaps, RECORD_HEAD, Records, Step};
-use crate::read::retry;
-use crate::{MOST_RECORD_BYTES, Message, Options, ReadError, Reader, Summary, WriteError, Writer};
+use crate::chunk::{self, Channels, Gaps, Records, Step};
+use crate::error::ReadError;
+use crate::fields::RECORD_HEAD;
+use crate::format::MOST_RECORD_BYTES;
+use crate::read::{Reader, retry};
+use crate::record::Message;
+use crate::summary::Summary;
+use crate::write::{Options, WriteError, Writer};
 
 /// What [`recover`] found.
 #[derive(Debug)]
 pub struct Recovered {
-    /// What the new file says of itself. `lost` counts the messages that are missing before
-    /// and between those recovered; how many a cut file lost at its end, nothing tells.
+    /// The new file's summary. `lost` counts the messages missing before and between those
+    /// recovered; how many a cut file lost at its end is unknown.
     pub summary: Summary,
     /// Messages that could not be decoded, or whose channel's description is damaged.
     pub unreadable: u64,
     /// Messages of other channels, which were not copied.
     pub skipped: u64,
-    /// What was wrong with the old file, if anything was.
+    /// What was wrong with the old file, if anything.
     pub reason: Option<ReadError>,
 }
 
@@ -37,14 +42,14 @@ pub enum RecoverError {
         /// Why not.
         source: ReadError,
     },
-    /// There is no whole message in it; no new file was made.
-    #[error("{}: there is no whole chunk of messages in it", path.display())]
+    /// It has no intact message; no new file was made.
+    #[error("{}: no intact chunk of messages found", path.display())]
     Nothing {
         /// The file.
         path: PathBuf,
     },
     /// Old and new file are the same.
-    #[error("{} would be overwritten by what is read from it", path.display())]
+    #[error("{} is both input and output; choose another output", path.display())]
     SameFile {
         /// The file.
         path: PathBuf,
@@ -54,12 +59,12 @@ pub enum RecoverError {
     Write(#[from] WriteError),
 }
 
-/// Copies all whole messages of the recording `from`, cut or damaged, into a new and
-/// finished recording `to`.
+/// Copies all intact messages of the cut or damaged recording `from` into a new, finished
+/// recording `to`, in the newest version.
 ///
-/// Whole are the chunks whose checksum is right, wherever in the file they stand: damage
-/// between two of them is passed over. Of a chunk that is damaged or cut nothing is
-/// taken, as nothing vouches for its messages.
+/// A chunk is intact if its checksum is right, wherever it is in the file; damage between
+/// two chunks is skipped. Nothing is taken from a damaged or cut chunk, as nothing vouches
+/// for its messages.
 pub fn recover(from: &Path, to: &Path, options: Options) -> Result<Recovered, RecoverError> {
     let failed = |source| RecoverError::Read { path: from.to_owned(), source };
     let (reason, claimed) = match Reader::open(from) {

@@ -398,18 +398,28 @@ fn a_message_above_the_limit_counts_as_lost() {
 }
 
 /// A file by the `mcap` crate alone: `layout` names channel, message encoding and
-/// schema text of the one message in it.
-fn foreign(options: mcap::WriteOptions, layout: [&str; 3], message: &[u8]) -> Vec<u8> {
+/// schema text of the one message in it; `version` is that of its channel.
+fn versioned(
+    version: Option<&str>,
+    options: mcap::WriteOptions,
+    layout: [&str; 3],
+    message: &[u8],
+) -> Vec<u8> {
+    let metadata = version.map(|version| (format::VERSION_KEY.to_owned(), version.to_owned()));
+    let metadata = BTreeMap::from_iter(metadata);
     let mut bytes = io::Cursor::new(Vec::new());
     let mut writer = options.compression(None).create(&mut bytes).unwrap();
     let schema = writer.add_schema("clearway.Request", topic::ENCODING, layout[2].as_bytes());
-    let channel =
-        writer.add_channel(schema.unwrap(), layout[0], layout[1], &BTreeMap::new()).unwrap();
+    let channel = writer.add_channel(schema.unwrap(), layout[0], layout[1], &metadata).unwrap();
     let header = MessageHeader { channel_id: channel, sequence: 0, log_time: 1, publish_time: 1 };
     writer.write_to_known_channel(&header, message).unwrap();
     writer.finish().unwrap();
     drop(writer);
     bytes.into_inner()
+}
+
+fn foreign(options: mcap::WriteOptions, layout: [&str; 3], message: &[u8]) -> Vec<u8> {
+    versioned(Some("2"), options, layout, message)
 }
 
 fn planning() -> mcap::WriteOptions {
@@ -440,13 +450,11 @@ fn files_of_other_tools_are_read_or_refused_by_name() {
     assert_eq!(reader.skipped(), 1);
 
     check_refused(b"", "ends at byte 0");
-    check_refused(b"{\"task\"", "no MCAP file");
+    check_refused(b"{\"task\"", "not an MCAP file");
     let profile = mcap::WriteOptions::new().profile("ros2");
-    check_refused(&foreign(profile, OURS, &message), "its profile is \"ros2\"");
+    check_refused(&foreign(profile, OURS, &message), "the profile is \"ros2\"");
     let json = [OURS[0], "json", OURS[2]];
     check_refused(&foreign(planning(), json, &message), "the message encoding of /planner/request");
-    let changed = [OURS[0], OURS[1], "clearway request, version 9"];
-    check_refused(&foreign(planning(), changed, &message), "clearway request, version 9");
     let unvouched = planning().calculate_chunk_crcs(false);
     check_refused(&foreign(unvouched, OURS, &message), "the checksum of a chunk is 00000000");
     let loose = planning().use_chunks(false);
@@ -454,6 +462,38 @@ fn files_of_other_tools_are_read_or_refused_by_name() {
     check_refused(&foreign(planning(), OURS, &message[..20]), "can't be decoded");
     let longer = [&message[..], &[0]].concat();
     check_refused(&foreign(planning(), OURS, &longer), "can't be decoded");
+}
+
+#[test]
+fn the_words_of_a_schema_are_not_compared() {
+    let message = schemas::codec::encode(&request(0));
+    let reworded = [OURS[0], OURS[1], "a corrected typo"];
+    let (records, error, _) = read(&foreign(planning(), reworded, &message));
+    assert!(error.is_none(), "{error:?}");
+    assert_eq!(records[0].message, Message::Request(request(0)));
+}
+
+#[test]
+fn a_channel_without_a_version_is_of_version_1() {
+    let message = schemas::codec::encode(&request(0));
+    for version in [None, Some("1"), Some("2")] {
+        let (records, error, _) = read(&versioned(version, planning(), OURS, &message));
+        assert!(error.is_none(), "{version:?}: {error:?}");
+        assert_eq!(records[0].message, Message::Request(request(0)), "{version:?}");
+    }
+}
+
+#[test]
+fn newer_versions_are_refused_with_both_numbers() {
+    let message = schemas::codec::encode(&request(0));
+    let of = |version| versioned(Some(version), planning(), OURS, &message);
+    check_refused(
+        &of("3"),
+        "/planner/request holds clearway.Request version 3, this program reads versions 1 to 2",
+    );
+    check_refused(&of("0"), "version 0, this program reads versions 1 to 2");
+    let named = "the schema_version of /planner/request is \"two\", expected \"a number\"";
+    check_refused(&of("two"), named);
 }
 
 #[test]

@@ -13,42 +13,43 @@ use schemas::message::{ReplyPart, Request};
 use schemas::{codec, topic};
 use thiserror::Error;
 
-use crate::{CHUNK_BYTES, MOST_MESSAGE_BYTES, SUMMARY_NAME, Summary, Topic};
+use crate::format::{CHUNK_BYTES, MOST_MESSAGE_BYTES, Topic, VERSION_KEY};
+use crate::summary::{SUMMARY_NAME, Summary};
 
 /// How a recording is created.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
-    /// Whether a file that exists is replaced.
+    /// Whether an existing file is replaced.
     pub overwrite: bool,
 }
 
 /// Why a recording can't be written.
 #[derive(Debug, Clone, Error)]
 pub enum WriteError {
-    /// There is a file already.
+    /// The file exists already.
     #[error("{} exists already and is not overwritten", path.display())]
     Exists {
         /// The file.
         path: PathBuf,
     },
     /// The file can't be created.
-    #[error("{} can't be created: {source}", path.display())]
+    #[error("can't create {}: {source}", path.display())]
     Create {
         /// The file.
         path: PathBuf,
         /// What the system says.
         source: Arc<io::Error>,
     },
-    /// The output takes no more. This is final: what was written is whole up to the last
-    /// flush, and nothing is written after it.
-    #[error("the recording can't be written: {source}")]
+    /// Writing failed. This is final: the file is intact up to the last flush, and nothing
+    /// is written after it.
+    #[error("can't write the recording: {source}")]
     Output {
         /// What the system says.
         source: Arc<io::Error>,
     },
     /// The message is larger than readers accept. It is not written and counts as lost;
     /// later ones are written.
-    #[error("a message has {bytes} bytes, the most that can be recorded are {most}")]
+    #[error("a message has {bytes} bytes, the most that can be recorded is {most}")]
     TooLarge {
         /// Bytes of the message.
         bytes: usize,
@@ -69,12 +70,12 @@ impl From<McapError> for WriteError {
 
 /// Writes a recording.
 ///
-/// Call [`flush`](Self::flush) on a timer ([`crate::FLUSH_INTERVAL`]): it closes the
-/// chunk, so that a reader finds everything written before even if this process is killed
-/// thereafter. [`finish`](Self::finish) ends the file; a writer that is dropped ends it
-/// as well, but without [`Summary`] and without telling of errors.
+/// Call [`flush`](Self::flush) on a timer ([`crate::FLUSH_INTERVAL`]): it closes the chunk,
+/// so that readers find everything written before, even if this process is killed later.
+/// [`finish`](Self::finish) ends the file; dropping the writer does too, but without
+/// [`Summary`] and without reporting errors.
 ///
-/// Any error of the output is final for the file: all later calls return it again.
+/// An output error is final for the file: all later calls return it again.
 ///
 /// Memory: the open chunk ([`CHUNK_BYTES`] and one message), the largest message encoded,
 /// and some 400 bytes for each chunk so far, as the index is written at the end.
@@ -96,8 +97,8 @@ enum State<W: Write> {
 }
 
 impl Writer {
-    /// Creates the file at `path`, with the channels and no messages. A file that exists
-    /// is left alone unless `options` say otherwise.
+    /// Creates the file at `path`, with its channels and no messages. An existing file is
+    /// left alone unless `options` say otherwise.
     pub fn create(path: impl AsRef<Path>, options: Options) -> Result<Self, WriteError> {
         let path = path.as_ref();
         let mut open = OpenOptions::new();
@@ -132,11 +133,11 @@ impl<W: Write> Writer<W> {
             .disable_seeking(true)
             .create(NoSeek::new(output))?;
         let mut channels = [0; 2];
+        let version = BTreeMap::from([(VERSION_KEY.to_owned(), codec::VERSION.to_string())]);
         for (topic, channel) in Topic::ALL.into_iter().zip(&mut channels) {
             let data = topic.schema().as_bytes();
             let schema = writer.add_schema(topic.schema_name(), topic::ENCODING, data)?;
-            *channel =
-                writer.add_channel(schema, topic.name(), topic::ENCODING, &BTreeMap::new())?;
+            *channel = writer.add_channel(schema, topic.name(), topic::ENCODING, &version)?;
         }
         // In a chunk of their own: damage to messages does not take them along.
         writer.flush()?;
@@ -187,8 +188,8 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Notes that `count` messages are missing here. The `sequence` of the next message
-    /// leaves them out, so that the gap shows in the file where it is.
+    /// Notes that `count` messages are missing here. The next message's `sequence` skips
+    /// them, so the gap shows in the file.
     pub fn lost(&mut self, count: u64) {
         if count > 0 {
             self.sequence += count;
@@ -203,8 +204,8 @@ impl<W: Write> Writer<W> {
         self.summary
     }
 
-    /// Closes the chunk and hands everything written so far to the operating system: it
-    /// outlives this process (not a power cut). Writes nothing where nothing came.
+    /// Closes the chunk and hands everything written so far to the operating system, where
+    /// it outlives this process (but not a power cut). Without new messages, writes nothing.
     pub fn flush(&mut self) -> Result<(), WriteError> {
         self.state.run(|writer| writer.flush())
     }
@@ -246,13 +247,5 @@ impl<W: Write> State<W> {
                 error
             }),
         }
-    }
-}
-
-impl Summary {
-    fn to_metadata(self) -> BTreeMap<String, String> {
-        [("recorded", self.recorded), ("lost", self.lost), ("gaps", self.gaps)]
-            .map(|(name, value)| (name.to_owned(), value.to_string()))
-            .into()
     }
 }

@@ -5,11 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 
 use schemas::convert::PartSink;
-use schemas::message::ErrorCode;
+use schemas::message::{ErrorCode, Refusal};
 use schemas::wire;
 
 use super::*;
-use crate::server::{Incoming, ReplyError, Server, ServerOptions};
+use crate::error::ReplyError;
+use crate::options::ServerOptions;
+use crate::server::{Incoming, Server};
 use crate::test_domain::test_domain;
 
 /// Two clients that start with the same request id.
@@ -87,7 +89,7 @@ fn a_reply_to_an_earlier_client_arrives_on_the_bus() {
     check_late_reply(EARLIER, LATER, |pending| {
         // The hazard itself: iceoryx2 takes it for the reply to this request.
         let part = pending.awaited.receive().unwrap().expect("a part");
-        assert_eq!(part.user_header().0.client, EARLIER);
+        assert_eq!(part.user_header().plain().client, EARLIER);
     });
 }
 
@@ -190,12 +192,12 @@ fn short_lived_clients_take_no_other_clients_replies() {
         let patience = Instant::now() + Duration::from_millis(nonce / FIRST_IDS * 11 % 80);
         while Instant::now() < patience {
             match pending.awaited.receive() {
-                Ok(Some(part)) if pending.accept(&part.user_header().0) => {
-                    assert_eq!(part.user_header().0.client, nonce);
+                Ok(Some(part)) if pending.accept(part.user_header().plain()) => {
+                    assert_eq!(part.user_header().plain().client, nonce);
                     own += 1;
                 }
                 Ok(Some(part)) => {
-                    assert_ne!(part.user_header().0.client, nonce);
+                    assert_ne!(part.user_header().plain().client, nonce);
                     foreign += 1;
                 }
                 _ => std::thread::sleep(Duration::from_millis(1)),

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use signal_hook::consts::SIGUSR1;
 
 use super::*;
+use crate::options::ServerOptions;
 use crate::ports;
-use crate::server::ServerOptions;
 use crate::test_domain::test_domain;
 
 /// How wake-ups went.

@@ -1,5 +1,6 @@
 //! Who dies, hangs or dawdles harms nobody else.
 
+use std::process::Command;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -167,5 +168,20 @@ fn check_signal(part: &str, signal: Signal) {
 fn signals_end_a_planner_and_nothing_is_left() {
     check_signal("planner", Signal::TERM);
     check_signal("planner", Signal::INT);
+    check_signal("planner", Signal::HUP);
     check_signal("polling planner", Signal::TERM);
+}
+
+#[test]
+fn started_by_nohup_a_planner_outlives_its_terminal() {
+    let test = TestDomain::new();
+    let planner = Process::start_by(Command::new("nohup"), "planner", &test);
+    planner.signal(Signal::HUP);
+    let client = connect(&test.domain, Wait::Event);
+    for id in 0..20 {
+        client.call(&scene(id, 1), LONG).unwrap();
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    planner.signal(Signal::TERM);
+    assert!(planner.ends_within(Duration::from_secs(2)), "it did not end");
 }

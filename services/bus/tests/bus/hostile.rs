@@ -4,7 +4,6 @@ use std::sync::mpsc;
 use std::time::Instant;
 
 use bus::{Client, ConnectError, ServerOptions, Wait};
-use iceoryx2::prelude::{Config, FileName, NodeBuilder, Path, SemanticString, ipc};
 use iceoryx2::service::builder::request_response::RequestResponseOpenError;
 use proptest::prelude::*;
 use schemas::convert;
@@ -87,14 +86,9 @@ mod other {
 
 /// The planning service of the other layout, opened or created.
 fn other_service<T>(test: &TestDomain, open: impl FnOnce(other::Builder) -> T) -> T {
-    let mut config = Config::default();
-    let prefix = format!("iox2_{}_", test.name());
-    config.global.prefix = FileName::new(prefix.as_bytes()).unwrap();
-    let root = format!("/tmp/iceoryx2/{}", test.name());
-    config.global.set_root_path(&Path::new(root.as_bytes()).unwrap());
     assert_eq!(size_of::<other::RequestHeader>(), size_of::<RequestHeader>());
     assert_eq!(size_of::<other::ReplyHeader>(), size_of::<schemas::wire::ReplyHeader>());
-    let node = NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap();
+    let node = bare_node(test.name());
     open(
         node.service_builder(&schemas::topic::PLAN.try_into().unwrap())
             .request_response::<[u64], [u64]>()

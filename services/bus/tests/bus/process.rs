@@ -10,6 +10,7 @@ use bus::{Domain, Server, ServerOptions, TapReader, Wait, Woken};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::support::*;
+use crate::version_1::OldClient;
 
 /// A process that is killed when this is dropped.
 pub(crate) struct Process(Child);
@@ -17,7 +18,13 @@ pub(crate) struct Process(Child);
 impl Process {
     /// Starts a process that plays `part`, and waits until it has said that it is ready.
     pub(crate) fn start(part: &str, domain: &TestDomain) -> Self {
-        let mut child = Command::new(std::env::current_exe().unwrap())
+        Self::start_by(Command::new("env"), part, domain)
+    }
+
+    /// Does so by way of a program that runs the one it is given.
+    pub(crate) fn start_by(mut by: Command, part: &str, domain: &TestDomain) -> Self {
+        let mut child = by
+            .arg(std::env::current_exe().unwrap())
             .args(["--exact", "process::run", "--ignored", "--nocapture"])
             .env("BUS_PART", part)
             .env("BUS_DOMAIN", domain.name())
@@ -99,6 +106,14 @@ fn run() {
             let mut pending = client.send(&scene(1, 1)).unwrap();
             ready();
             let _ = pending.wait(Instant::now() + Duration::from_secs(60));
+        }
+        "client of version 1" => {
+            let client = OldClient::connect(domain.to_string().as_str(), 77);
+            ready();
+            for id in 0..200 {
+                let reply = client.call(&scene(id, 2_000));
+                assert_eq!(reply.content, Ok(trajectory(id, 2_000)));
+            }
         }
         "recorder" => {
             let mut tap = TapReader::connect(&domain).unwrap();

@@ -76,7 +76,7 @@ fn check_prompt(domain: &Domain, client: Wait, server: Wait) {
         client_port.call(&scene(id, 1), LONG).unwrap();
     }
     let took = begin.elapsed();
-    assert!(took < Duration::from_secs(4), "client {client:?}, server {server:?}: {took:?}");
+    assert!(took < Duration::from_secs(10), "client {client:?}, server {server:?}: {took:?}");
 }
 
 #[test]

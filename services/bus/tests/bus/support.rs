@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bus::{Client, ConnectError, Domain, Incoming, ReplyError, Server, ServerOptions, Wait, Woken};
+use iceoryx2::prelude::{Config, FileName, Node, NodeBuilder, Path, SemanticString, ipc};
 use schemas::convert::{self, TrajectoryWriter};
 use schemas::message::{
     AxisBox, Body, ClearanceWish, Direction, FreeSpace, Gap, Reply, RequestKey, Sampling,
@@ -74,6 +75,15 @@ impl Drop for TestDomain {
             assert_eq!(left, Vec::<PathBuf>::new(), "left behind in {}", self.name);
         }
     }
+}
+
+/// Joins a domain by iceoryx2's own means.
+pub(crate) fn bare_node(domain: &str) -> Node<ipc::Service> {
+    let mut config = Config::default();
+    config.global.prefix = FileName::new(format!("iox2_{domain}_").as_bytes()).unwrap();
+    let root = format!("/tmp/iceoryx2/{domain}");
+    config.global.set_root_path(&Path::new(root.as_bytes()).unwrap());
+    NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap()
 }
 
 /// A planner in a thread of its own, that ends when this is dropped.

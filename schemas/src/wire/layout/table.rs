@@ -1,0 +1,247 @@
+//! The tables of the current version.
+
+use std::mem::offset_of;
+
+use super::Words::{Bits, Codes};
+use super::{Field, Item, Layout, Payload, Section, Structure, Words, field};
+use crate::wire::{Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present};
+
+pub(super) const PREAMBLE: &str = "\
+Generated from the structures in schemas/src/wire.rs and their tables.
+
+Little-endian 64-bit machines. Structures are laid out as in C, without padding; columns:
+offset in bytes, type, field. Payloads are cells of 8 bytes, items in the order given here.
+What a bit or a count declares absent is not read. D is the header's dimension.
+";
+
+/// Task by code.
+pub(super) const TASKS: [&str; 3] = ["disassemble", "assemble", "drive"];
+/// Start turn by code.
+pub(super) const START_TURNS: [&str; 2] = ["in_place", "while_moving"];
+/// Direction by code.
+pub(super) const DIRECTIONS: [&str; 6] = ["+x", "-x", "+y", "-y", "+z", "-z"];
+/// Refusal code by number.
+pub(super) const ERRORS: [&str; 15] = [
+    "invalid_scene",
+    "unsupported_version",
+    "body_outside_free_space",
+    "goal_outside_free_space",
+    "no_route",
+    "junction_too_small",
+    "gap_out_of_range",
+    "corners_too_close",
+    "turn_blocked",
+    "wall_in_the_way",
+    "too_many_samples",
+    "deadline_exceeded",
+    "overloaded",
+    "internal",
+    "too_costly",
+];
+
+const GIVEN: [(&str, u64); 16] = [
+    ("id", given::ID),
+    ("channels", given::CHANNELS),
+    ("in_order", given::IN_ORDER),
+    ("solids", given::SOLIDS),
+    ("bounds", given::BOUNDS),
+    ("start", given::START),
+    ("goal", given::GOAL),
+    ("goal heading", given::GOAL_HEADING),
+    ("start_turn", given::START_TURN),
+    ("sampling", given::SAMPLING),
+    ("deadline", given::DEADLINE),
+    ("speed", given::LIMITS),
+    ("acceleration", given::LIMITS << 1),
+    ("yaw_rate", given::LIMITS << 2),
+    ("yaw_acceleration", given::LIMITS << 3),
+    ("lateral_acceleration", given::LIMITS << 4),
+];
+
+const PRESENT: [(&str, u64); 9] = [
+    ("junction", present::JUNCTION),
+    ("axis", present::AXIS),
+    ("needs", present::NUMBERS),
+    ("has", present::NUMBERS << 1),
+    ("least", present::NUMBERS << 2),
+    ("most", present::NUMBERS << 3),
+    ("heading", present::NUMBERS << 4),
+    ("field", present::FIELD),
+    ("setting", present::SETTING),
+];
+
+macro_rules! words {
+    () => {
+        Words::None
+    };
+    ($words:expr) => {
+        $words
+    };
+}
+
+/// A structure by its own fields: `name: "note"` or `name (words): "note"`.
+macro_rules! structure {
+    ($type:ident: $about:literal $($name:ident $(($words:expr))?: $note:literal)*) => {
+        const {
+            const FIELDS: &[Field] = &[$(field(
+                stringify!($name),
+                offset_of!($type, $name),
+                |structure: &$type| &structure.$name,
+                words!($($words)?),
+                $note,
+            )),*];
+            let (name, note, size) = (stringify!($type), $about, size_of::<$type>());
+            let structure = Structure { name, note, size, fields: FIELDS };
+            assert!(structure.is_complete(), "a field is missing or out of order");
+            Section::Structure(structure)
+        }
+    };
+}
+
+/// A payload: `name: form, "note"`, with `[count]`, `(words)` and `if "condition"`.
+macro_rules! payload {
+    (
+        $payload:literal: $about:literal
+        $($name:literal $([$count:literal])? $(($words:expr))? $(if $when:literal)?:
+            $form:literal, $note:literal)*
+    ) => {
+        Section::Payload(Payload {
+            name: $payload,
+            note: $about,
+            items: &[$(Item {
+                name: $name,
+                count: concat!($($count)?),
+                form: $form,
+                when: concat!($($when)?),
+                words: words!($($words)?),
+                note: $note,
+            }),*],
+        })
+    };
+}
+
+pub(super) const LAYOUT: Layout = Layout { version: VERSION, sections: SECTIONS };
+
+const SECTIONS: &[Section] = &[
+    structure!(RequestHeader: "the user header of a request"
+        version: "2"
+        dimension: "2 or 3; 2 with a footprint, a start or a goal"
+        client: "the client's nonce"
+        sequence: "counts the client's requests"
+        sent_ns: "nanoseconds since the Unix epoch"
+        given (Bits(&GIVEN)): "optional fields that are present"
+        id: "echoed in the reply"
+        task (Codes(&TASKS)): ""
+        start_turn (Codes(&START_TURNS)): ""
+        sampling_kind (Codes(&["period", "spacing", "count"])): ""
+        body_kind (Codes(&["polygon", "box", "footprint"])): ""
+        wish_kind (Codes(&["one choice", "each", "curve"])): ""
+        exits: "entries in the payload"
+        wake: "1: the client sleeps and must be woken"
+        reserved: "0"
+        sampling: "f64 bits in s or m, or the count"
+        limits: "speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration; SI units"
+        deadline: "s from arrival"
+        start: "x, y (m), heading (rad)"
+        goal: "x, y (m), heading (rad)"
+        bounds: "D of the least corner, then D of the greatest; m"
+        curve: "points"
+        choices: "entries in the payload: 1 for one choice, 0 for a curve"
+        body_points: "points in the payload: vertices, 2 for a box, 1 for a footprint"
+        channels: "entries in the payload"
+        solids: "entries in the payload"),
+    payload!("Request": "the payload of a request"
+        "exit" ["exits"] (Codes(&DIRECTIONS)): "u64", ""
+        "choice" ["choices"]: "Choice", ""
+        "body" ["body_points"]: "D f64", "m; box: least, then greatest corner; \
+            footprint: width, length"
+        "channel" ["channels"]: "2 D f64", "m; least, then greatest corner"
+        "solid" ["solids"]: "Solid", ""),
+    payload!("Choice": "a clearance"
+        "kind" (Codes(&["gap", "gaps", "safest"])): "u64", ""
+        "gap" if "kind is 0": "Gap", ""
+        "junctions" if "kind is 1": "u64", "a count"
+        "gaps" ["junctions"] if "kind is 1": "Gap", ""),
+    payload!("Gap": "one gap, m"
+        "axes" : "u64", "0: the same on every axis; 1 to 3: one number per axis"
+        "gap" ["axes (0: 1)"]: "f64", ""),
+    payload!("Solid": "m"
+        "kind" (Codes(&["polygon", "box"])): "u64", ""
+        "vertices" if "kind is 0": "u64", "a count"
+        "vertex" ["vertices"] if "kind is 0": "D f64", ""
+        "corners" if "kind is 1": "2 D f64", "least, then greatest"),
+    structure!(ReplyHeader: "the user header of a part of a reply"
+        version: "2"
+        dimension: "2 or 3"
+        client: "the request's"
+        sequence: "the request's"
+        sent_ns: "nanoseconds since the Unix epoch"
+        id: "the request's"
+        has_id: "0 or 1"
+        last: "1: no part follows"
+        part: "from 0"
+        kind (Codes(&["trajectory", "refusal"])): ""
+        answer: "the answer this part belongs to, from 0"
+        answers: "0: the whole request is refused"
+        exit: "0 not named, otherwise 1 + code of the direction"
+        gaps_per_junction: ""
+        length: "m"
+        duration: "s"
+        clearance: "least distance to the walls, m"
+        clearance_at: "arc length where that is, m"
+        wall: "the wall point there, m"
+        gaps: "entries in the payload"
+        route: "entries in the payload"
+        channels: "entries in the payload"
+        legs: "entries in the payload"
+        samples: "entries in the payload"
+        refusal: "cells of the payload, if kind is 1"),
+    payload!("Trajectory": "the payload if kind is 0; lists continue in the answer's next part"
+        "gap" ["gaps"]: "f64", "m"
+        "channel index" ["route"]: "u64", ""
+        "channel" ["channels"]: "2 D f64", "m; least, then greatest corner"
+        "leg" ["legs"]: "Leg", ""
+        "sample" ["samples"]: "Sample", ""),
+    payload!("Refusal": "the payload if kind is 1"
+        "code" (Codes(&ERRORS)): "u64", ""
+        "present" (Bits(&PRESENT)): "u64", "optional fields that are present"
+        "junction": "u64", ""
+        "axis" (Codes(&["x", "y", "z"])): "u64", ""
+        "needs": "f64", ""
+        "has": "f64", ""
+        "least": "f64", ""
+        "most": "f64", ""
+        "heading": "f64", "rad"
+        "message_bytes": "u64", ""
+        "field_bytes": "u64", ""
+        "setting_bytes": "u64", ""
+        "message": "UTF-8", "filled up with zeros to whole cells"
+        "field": "UTF-8", "likewise"
+        "setting": "UTF-8", "likewise"),
+    structure!(Leg: "a piece of a path"
+        kind (Codes(&["line", "arc", "turn"])): ""
+        table: "of the rule; 0 for none"
+        number: "of the rule in its table"
+        junction: "all bits set for none"
+        length: "m"
+        clearance: "m"
+        point: "line: from, arc: centre, turn: position; m"
+        to: "line; m"
+        radius: "arc; m"
+        start: "arc: start angle, turn: heading before; rad"
+        heading: "line: at its end, turn: after; rad"
+        sweep: "signed; line: turned on the way; rad"),
+    structure!(Sample: "a state of the motion"
+        t: "s"
+        position: "m"
+        heading: "rad"
+        velocity: "m/s"
+        yaw_rate: "rad/s"),
+    structure!(TapHeader: "the user header of a message on the tap; its payload is the \
+        message's user header, then the message's payload"
+        sequence: "number of the bus message; heartbeat: of the next one"
+        time_ns: "nanoseconds since the Unix epoch"
+        kind (Codes(&["request", "reply part", "heartbeat"])): ""
+        piece: "long messages are cut into pieces of one sequence number; bit 0: last piece, \
+            above it the piece's number from 0"),
+];

@@ -1,0 +1,96 @@
+//! What the hash depends on, and the text that is kept in the repository.
+
+use std::path::Path;
+
+use super::table::{DIRECTIONS, ERRORS, LAYOUT, START_TURNS, TASKS};
+use super::*;
+use crate::convert::codes;
+
+type Change = fn(&mut [Field; 2], &mut [Item; 1]);
+
+/// The hash of a layout of one structure and one payload.
+fn small(change: impl FnOnce(&mut [Field; 2], &mut [Item; 1])) -> u64 {
+    let field = |name, offset| Field {
+        name,
+        kind: Kind::U32,
+        offset,
+        count: 1,
+        words: Words::None,
+        note: "",
+    };
+    let mut fields = [field("first", 0), field("second", 4)];
+    let mut items = [Item {
+        name: "list",
+        count: "second",
+        form: "f64",
+        when: "",
+        words: Words::Codes(&["one", "two"]),
+        note: "metres",
+    }];
+    change(&mut fields, &mut items);
+    let structure = Structure { name: "Header", note: "", size: 8, fields: &fields };
+    let payload = Payload { name: "Body", note: "", items: &items };
+    let sections = [Section::Structure(structure), Section::Payload(payload)];
+    Layout { version: 1, sections: &sections }.hash()
+}
+
+#[test]
+fn a_corrected_explanation_keeps_the_hash() {
+    let corrected = small(|fields, items| {
+        fields[0].note = "a better explanation";
+        items[0].note = "meters";
+    });
+    assert_eq!(corrected, small(|_, _| {}));
+}
+
+#[test]
+fn whatever_a_peer_depends_on_changes_the_hash() {
+    let changes: [Change; 10] = [
+        |fields, _| (fields[0].offset, fields[1].offset) = (4, 0),
+        |fields, _| fields.swap(0, 1),
+        |fields, _| fields[0].name = "third",
+        |fields, _| fields[0].kind = Kind::F64,
+        |fields, _| fields[0].count = 2,
+        |fields, _| fields[0].words = Words::Bits(&[("a", 1)]),
+        |_, items| items[0].form = "u64",
+        |_, items| items[0].count = "first",
+        |_, items| items[0].when = "first is 1",
+        |_, items| items[0].words = Words::Codes(&["two", "one"]),
+    ];
+    let mut hashes: Vec<_> = changes.into_iter().map(small).collect();
+    hashes.push(small(|_, _| {}));
+    hashes.sort_unstable();
+    hashes.dedup();
+    assert_eq!(hashes.len(), changes.len() + 1);
+}
+
+#[test]
+fn the_version_is_part_of_the_hash() {
+    let of = |version| Layout { version, sections: LAYOUT.sections }.hash();
+    assert_ne!(of(LAYOUT.version), of(LAYOUT.version + 1));
+}
+
+/// To write it anew, set PIN=1.
+#[test]
+fn the_text_in_the_repository_is_this_layouts() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/wire/layout.txt");
+    if std::env::var_os("PIN").is_some() {
+        std::fs::write(&path, text()).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text());
+}
+
+/// The names in the tables are those of JSON, in the order of the codes.
+#[track_caller]
+fn check_names<T: serde::Serialize>(values: &[T], names: &[&str]) {
+    let json = |value| serde_json::to_value(value).unwrap().as_str().unwrap().to_owned();
+    assert_eq!(values.iter().map(json).collect::<Vec<_>>(), names);
+}
+
+#[test]
+fn codes_have_the_names_of_json() {
+    check_names(&codes::TASKS, &TASKS);
+    check_names(&codes::START_TURNS, &START_TURNS);
+    check_names(&codes::DIRECTIONS, &DIRECTIONS);
+    check_names(&codes::ERRORS, &ERRORS);
+}

@@ -1,0 +1,147 @@
+//! Version 1, for ever: its bytes in `pinned/version_1` never change, and what is read
+//! from them and written to old clients stays the same.
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use schemas::message::{ErrorCode, Refusal, Request, RequestContent, SceneRequest};
+use schemas::wire::{ReplyHeader, previous};
+use schemas::{codec, convert};
+
+use super::examples::{self, Parts};
+use super::strategies::{numbers, refusal};
+
+/// A pinned message: header and payload in memory, and as recorded.
+struct Pinned {
+    header: Vec<u64>,
+    cells: Vec<u64>,
+    recorded: Vec<u8>,
+}
+
+fn pinned(name: &str) -> Pinned {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/pinned/version_1/{name}.txt"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let (memory, recorded) = text.split_once("recorded\n").unwrap();
+    let (header, cells) = memory.split_once("payload\n").unwrap();
+    let words = |text: &str| -> Vec<u64> {
+        text.split_whitespace().map(|word| u64::from_str_radix(word, 16).unwrap()).collect()
+    };
+    let digits: String = recorded.split_whitespace().collect();
+    let byte = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
+    Pinned {
+        header: words(header.trim_start_matches("header, words of 64 bits\n")),
+        cells: words(cells),
+        recorded: (0..digits.len()).step_by(2).map(byte).collect(),
+    }
+}
+
+#[test]
+fn requests_of_old_clients_are_read() {
+    for (name, text) in examples::SCENES {
+        let Pinned { header, cells, .. } = pinned(&format!("request-{name}"));
+        let header = previous::upgrade_request(&convert::header_of(&header));
+        assert_eq!(convert::check_version(&header), Ok(()), "{name}");
+        let mut scene = SceneRequest::empty();
+        convert::read_scene(&header, &cells, &mut scene).unwrap();
+        assert_eq!(scene, examples::scene(text), "{name}");
+    }
+}
+
+#[test]
+fn requests_of_no_known_version_are_refused() {
+    let Pinned { mut header, .. } = pinned("request-drive");
+    for version in [0, 2, 3, u64::from(u32::MAX)] {
+        header[0] = header[0] >> 32 << 32 | version;
+        let header = previous::upgrade_request(&convert::header_of(&header));
+        let refusal = convert::check_version(&header).unwrap_err();
+        assert_eq!(refusal.code, ErrorCode::UnsupportedVersion);
+    }
+}
+
+/// A part as an old client gets it.
+fn downgraded(part: &(ReplyHeader, Vec<u64>)) -> (ReplyHeader, Vec<u64>) {
+    let (header, cells) = part;
+    if previous::same_payload(header) {
+        return (previous::downgrade_header(header), cells.clone());
+    }
+    let mut old = vec![7];
+    let header = previous::downgrade_refusal(header, cells, &mut old);
+    (header, old)
+}
+
+#[test]
+fn replies_to_old_clients_are_pinned() {
+    let parts = examples::parts();
+    for (name, part) in &parts[..5] {
+        let mut sink = Parts::default();
+        examples::write(part, &mut sink);
+        let (header, cells) = downgraded(&sink.0[0]);
+        let pinned = pinned(&format!("reply-{name}"));
+        let header: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(&header));
+        assert_eq!((header, &cells), (&pinned.header[..], &pinned.cells), "{name}");
+    }
+}
+
+/// Reads a refusal of version 1: version 2 has one cell more, the setting's length.
+fn read_old(header: ReplyHeader, mut cells: Vec<u64>) -> Refusal {
+    assert_eq!((header.version, header.refusal as usize), (1, cells.len()));
+    cells.insert(11, 0);
+    let header = ReplyHeader { version: 2, refusal: cells.len() as u32, ..header };
+    convert::read_part(&header, &cells).unwrap().content.unwrap_err()
+}
+
+proptest! {
+    #[test]
+    fn refusals_reach_old_clients_without_what_is_new(refusal in refusal(&numbers())) {
+        let mut sink = Parts::default();
+        examples::write(&examples::of_answer(Err(refusal.clone())), &mut sink);
+        let (header, cells) = downgraded(&sink.0[0]);
+        let code = match refusal.code {
+            ErrorCode::TooCostly => ErrorCode::InvalidScene,
+            code => code,
+        };
+        prop_assert_eq!(read_old(header, cells), Refusal { code, setting: None, ..refusal });
+    }
+}
+
+#[test]
+fn old_recordings_are_read() {
+    let (key, sent_ns) = (examples::KEY, examples::SENT_NS);
+    for (name, text) in examples::SCENES {
+        let content = RequestContent::Scene(examples::scene(text));
+        let request = codec::decode_request(1, &pinned(&format!("request-{name}")).recorded);
+        assert_eq!(request.unwrap(), Request { key, sent_ns, content }, "{name}");
+    }
+    for (name, part) in &examples::parts()[..5] {
+        let read = codec::decode_reply(1, &pinned(&format!("reply-{name}")).recorded);
+        assert_eq!(read.unwrap(), *part, "{name}");
+    }
+}
+
+#[test]
+fn an_unreadable_request_of_an_old_recording_is_answered_as_it_was() {
+    let recorded = |version: u64| {
+        let header = vec![2 << 32 | version, 3];
+        let content = RequestContent::Unreadable { header, cells: vec![5] };
+        let bytes = codec::encode(&Request { key: examples::KEY, sent_ns: 0, content });
+        match codec::decode_request(1, &bytes).unwrap().content {
+            RequestContent::Unreadable { header, .. } => header,
+            content => panic!("{content:?}"),
+        }
+    };
+    assert_eq!(recorded(1), [2 << 32 | 2, 3], "the planner's own version");
+    for other in [0, 2, 9] {
+        assert_ne!(recorded(other)[0] as u32, 2, "refused then, refused now");
+    }
+}
+
+#[test]
+fn later_versions_are_refused_with_both_numbers() {
+    let bytes = codec::encode(&examples::of_answer(Err(examples::refusal())));
+    for version in [0, 3] {
+        let expected = format!("the message has version {version}; versions 1 to 2 are supported");
+        assert_eq!(codec::decode_reply(version, &bytes).unwrap_err().to_string(), expected);
+        assert_eq!(codec::decode_request(version, &bytes).unwrap_err().to_string(), expected);
+    }
+}

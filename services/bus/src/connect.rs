@@ -1,0 +1,46 @@
+//! Why a client or recorder finds no planner.
+
+use iceoryx2::prelude::{Node, PortFactory, ipc};
+use schemas::wire::{self, previous};
+
+use crate::cause::Cause;
+use crate::domain::Domain;
+use crate::error::ConnectError;
+use crate::ports;
+use crate::previous::Previous;
+
+/// What is opened.
+pub(crate) const REQUESTS: &str = "the planner's service";
+pub(crate) const TAP: &str = "the planner's tap";
+
+/// Who takes a place, and the planner's setting for how many there are.
+pub(crate) type Place = (&'static str, &'static str);
+pub(crate) const CLIENTS: Place = ("clients", "max_clients");
+pub(crate) const RECORDERS: Place = ("recorders", "max_recorders");
+
+pub(crate) fn full(domain: &Domain, (who, setting): Place, most: usize) -> ConnectError {
+    ConnectError::Full { domain: domain.clone(), who, most, setting }
+}
+
+/// Why `what` of the current version could not be opened.
+pub(crate) fn failed(
+    node: &Node<ipc::Service>,
+    domain: &Domain,
+    what: &'static str,
+    cause: Cause,
+) -> ConnectError {
+    let domain = domain.clone();
+    match cause {
+        // A planner that starts, stops or was killed leaves its service in any of these.
+        Cause::Absent | Cause::InFlux | Cause::Damaged => {
+            let older = ports::open_plan::<Previous>(node)
+                .is_ok_and(|plan| plan.dynamic_config().number_of_servers() > 0);
+            match older {
+                true => ConnectError::OlderPlanner { domain, planner: previous::VERSION },
+                false => ConnectError::NoPlanner { domain },
+            }
+        }
+        Cause::OtherMessages => ConnectError::OtherLayout { domain, layout: wire::layout_hash() },
+        cause => ConnectError::Service { what, domain, cause },
+    }
+}

@@ -1,0 +1,170 @@
+//! Why a recording can't be read.
+
+use std::io;
+
+use schemas::codec::DecodeError;
+use thiserror::Error;
+
+/// Why a recording can't be read, or not any further.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    /// Reading the file failed.
+    #[error("can't read at byte {offset}: {source}")]
+    Io {
+        /// Where in the file.
+        offset: u64,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It is not an MCAP file.
+    #[error("not an MCAP file: it begins with the bytes {found:02x?}")]
+    NotMcap {
+        /// Its first bytes, at most 8.
+        found: Vec<u8>,
+    },
+    /// It is an MCAP file of another profile.
+    #[error("not a Clearway recording: the profile is {found:?}, not {expected:?}")]
+    Profile {
+        /// The file's profile.
+        found: String,
+        /// A recording's profile.
+        expected: &'static str,
+    },
+    /// A channel has the name of one of ours but holds something else.
+    #[error("byte {offset}: the {what} of {topic} is {found:?}, expected {expected:?}")]
+    Channel {
+        /// Where in the file.
+        offset: u64,
+        /// The channel.
+        topic: &'static str,
+        /// What differs.
+        what: &'static str,
+        /// How it begins in the file.
+        found: String,
+        /// What it should be.
+        expected: String,
+    },
+    /// Its messages are of a version that this program does not know.
+    #[error(
+        "byte {offset}: {topic} holds {schema} version {found}, this program reads versions 1 to {newest}"
+    )]
+    Version {
+        /// Where in the file.
+        offset: u64,
+        /// The channel.
+        topic: &'static str,
+        /// The schema's name.
+        schema: &'static str,
+        /// The file's version.
+        found: u32,
+        /// The newest version that can be read.
+        newest: u32,
+    },
+    /// The file was not finished, as when its recorder was killed. All messages before
+    /// `offset` were read.
+    #[error("the recording is cut: it ends at byte {end}, inside the record at byte {offset}")]
+    Cut {
+        /// Where the first record begins that is not whole.
+        offset: u64,
+        /// Where the file ends.
+        end: u64,
+    },
+    /// Its bytes are not what was written. All messages before `offset` were read.
+    #[error("the recording is damaged at byte {offset}: {damage}")]
+    Damaged {
+        /// Where the damaged record begins.
+        offset: u64,
+        /// What is wrong with it.
+        damage: Damage,
+    },
+    /// A message's bytes are as they were written, but can't be decoded.
+    #[error("byte {offset}: message {sequence} of {topic} can't be decoded: {source}")]
+    Message {
+        /// Where its record begins.
+        offset: u64,
+        /// Its channel.
+        topic: &'static str,
+        /// Its number.
+        sequence: u32,
+        /// Why not.
+        source: DecodeError,
+    },
+}
+
+impl ReadError {
+    /// Whether the file just ends early and everything before its end is in order.
+    pub fn is_cut(&self) -> bool {
+        matches!(self, Self::Cut { .. })
+    }
+}
+
+/// What is wrong with bytes of a recording.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Damage {
+    /// A checksum is not that of the bytes.
+    #[error("the checksum of {of} is {saved:08x}, its bytes have {calculated:08x}")]
+    Checksum {
+        /// What the checksum is of.
+        of: &'static str,
+        /// The file's.
+        saved: u32,
+        /// That of the bytes.
+        calculated: u32,
+    },
+    /// A record claims to be longer than any can be.
+    #[error("a record of kind {kind:#04x} claims {claimed} bytes, the most is {most}")]
+    TooLong {
+        /// Its opcode.
+        kind: u8,
+        /// Bytes claimed.
+        claimed: u64,
+        /// Bytes allowed.
+        most: u64,
+    },
+    /// A record runs past the end of a finished file.
+    #[error("a record claims more bytes than the file has left")]
+    BeyondEnd,
+    /// A chunk and its header disagree about its size.
+    #[error("a chunk claims {claimed} bytes of records, it has {given}")]
+    ChunkLength {
+        /// Bytes claimed.
+        claimed: u64,
+        /// Bytes given.
+        given: u64,
+    },
+    /// A record is too short for its fields.
+    #[error("{what} breaks off")]
+    Broken {
+        /// What it is.
+        what: &'static str,
+    },
+    /// A chunk is compressed, which recordings never are.
+    #[error("a chunk is compressed with {method:?}, which is not supported")]
+    Compressed {
+        /// The method's name in MCAP.
+        method: String,
+    },
+    /// A record is where it may not be.
+    #[error("unexpected record: {what}")]
+    Misplaced {
+        /// What it is.
+        what: &'static str,
+    },
+    /// A message names a channel that the file does not define.
+    #[error("a message belongs to channel {channel}, which the file does not define")]
+    UnknownChannel {
+        /// The channel's number.
+        channel: u16,
+    },
+    /// A number is defined twice.
+    #[error("{what} {id} is defined twice, differently")]
+    Redefined {
+        /// What it is.
+        what: &'static str,
+        /// Its number.
+        id: u16,
+    },
+    /// Anything else that the format forbids.
+    #[error("{0}")]
+    Other(String),
+}
