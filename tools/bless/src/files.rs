@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use integration_tests::{root, scene};
 use schemas::message::{Reply, Request, RequestContent, RequestKey, SceneRequest};
 
-use crate::{Error, tables};
+use crate::{Error, figures, tables};
 
 /// A generated file, or one with a generated block.
 pub(crate) struct File {
@@ -40,7 +40,14 @@ pub(crate) const FILES: &[File] = &[
     whole("docs/drive-a.svg", || picture("drive-a.json")),
     whole("docs/drive-b.svg", || picture("drive-b.json")),
     block("docs/driving.md", "corridors", tables::corridors),
-    // Figures of docs/method.md: whole("docs/figures/NAME.svg", figures::NAME).
+    whole("docs/figures/channels.svg", figures::channels::figure),
+    whole("docs/figures/guiding-circle.svg", figures::guiding_circle::figure),
+    whole("docs/figures/profile.svg", figures::profile::figure),
+    whole("docs/figures/route.svg", figures::route::figure),
+    whole("docs/figures/safest-gap.svg", figures::safest_gap::figure),
+    whole("docs/figures/solids.svg", figures::solids::figure),
+    whole("docs/figures/table-1.svg", figures::table_1::figure),
+    whole("docs/figures/tangents.svg", figures::tangents::figure),
 ];
 
 impl File {
