@@ -1,5 +1,5 @@
-//! Closed forms for one turn of the rectangular robot (`docs/errata.md` derives
-//! them): what a corridor's width allows.
+//! Closed forms for one turn of the rectangular robot (derived in `docs/method.md` 6):
+//! what a corridor's width allows.
 
 use crate::clearance::rectangle::Footprint;
 

@@ -1,11 +1,14 @@
 //! Random corridors: nothing leaves the free space, and the clearance is exact.
 
-use crate::budget::Budget;
+use std::f64::consts::FRAC_PI_2;
+
 use proptest::prelude::*;
 
 use super::scene::{Scene, corridors};
+use crate::budget::Budget;
 use crate::clearance::rectangle::tests::{check_densely, pose};
 use crate::driving::{Corner, Gaps, Path, StartTurn, drive};
+use crate::geometry::{Direction, unit};
 use crate::motion::Curve;
 
 /// All corners of the footprint, at many placements, lie in channels.
@@ -111,5 +114,51 @@ proptest! {
         let wanted = gap.min(width - outer_radius(&scene.footprint, gap));
         let turning = path.turning().unwrap();
         prop_assert!((turning.value - wanted).abs() < 1e-12, "{} {wanted}", turning.value);
+    }
+
+    /// docs/method.md 6.3: the clearance from the first arc to the last in closed form. It may
+    /// be more where a turn is too short for the robot's outer corners, or where corridors
+    /// cross and so lack walls.
+    #[test]
+    fn corridors_obey_the_closed_form(scene in corridors(20), part in 0.05..1.6) {
+        use crate::driving::limits::outer_radius;
+        let gap = part * scene.balanced();
+        let mut path = Path::default();
+        if drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).is_err() {
+            return Ok(());
+        }
+        let arcs: Vec<_> = path
+            .legs()
+            .iter()
+            .filter_map(|leg| match leg.curve {
+                Curve::Arc { start_angle, sweep, .. } => Some((start_angle, sweep)),
+                _ => None,
+            })
+            .collect();
+        prop_assume!(arcs.len() == scene.corners.len());
+        let (across, along) = (scene.footprint.width() + gap, scene.footprint.length() / 2.0);
+        let (outer, lead) = (outer_radius(&scene.footprint, gap), libm::atan2(along, across));
+        let crossing = scene.channels.iter().enumerate().any(|(index, channel)| {
+            let mut later = scene.channels.iter().skip(index + 2);
+            later.any(|other| channel.intersection(other).is_some())
+        });
+        let (mut wanted, mut more) = (gap, crossing);
+        for (&(start_angle, sweep), corner) in arcs.iter().zip(&scene.corners) {
+            let angle = |turned: f64, along: Direction, across: Direction| {
+                let heading = unit(start_angle + turned + FRAC_PI_2.copysign(sweep));
+                libm::atan2(across.coordinate(&heading), along.coordinate(&heading))
+            };
+            let (approach, leave) = (corner.rule.approach, corner.rule.leave);
+            let angles = [angle(0.0, approach, leave), angle(sweep, leave, approach)];
+            for (width, theta) in [corner.width_in, corner.width_out].into_iter().zip(angles) {
+                wanted = wanted.min(width - outer * libm::cos((theta - lead).max(0.0)));
+                let (sin, cos) = libm::sincos(theta.min(0.0));
+                wanted = wanted.min(gap * cos + along * sin);
+                more |= theta > FRAC_PI_2 - lead;
+            }
+        }
+        let turning = path.turning().unwrap().value;
+        prop_assert!(turning > wanted - 1e-9, "{turning} is less than {wanted}");
+        prop_assert!(more || turning < wanted + 1e-9, "{turning} is not {wanted}");
     }
 }
