@@ -1,5 +1,6 @@
 //! Section 4's cavity: its channels with their axes, and the junctions between them.
 
+use planning::budget::Budget;
 use planning::free_space::{Chain, End};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use schemas::message::{Body, FreeSpace, Solid};
@@ -72,7 +73,9 @@ impl Section4 {
             .collect();
         let mut chain = Chain::default();
         let center = [(body[0][0] + body[1][0]) / 2.0, (body[0][1] + body[1][1]) / 2.0];
-        chain.build(&boxes, &Vector::from(center), End::Exit(UP)).expect("section 4's chain");
+        chain
+            .build(&boxes, &Vector::from(center), End::Exit(UP), &Budget::default())
+            .expect("section 4's chain");
         Self { channels, wall, body, chain }
     }
 

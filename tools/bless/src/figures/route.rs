@@ -1,5 +1,6 @@
 //! A route between pillars: corners that the taut path turns about, and corners that it passes.
 
+use planning::budget::Budget;
 use planning::driving;
 use planning::free_space::{Chain, End};
 use planning::geometry::{AxisBox, Vector};
@@ -86,7 +87,7 @@ fn corners_along(channels: &[[Point; 2]]) -> Vec<Point> {
         .collect();
     let (mut chain, mut corners) = (Chain::default(), Vec::new());
     let (start, goal) = (Vector::from(START), Vector::from(GOAL));
-    chain.build(&channels, &start, End::Goal(goal)).expect("a chain");
+    chain.build(&channels, &start, End::Goal(goal), &Budget::default()).expect("a chain");
     driving::corners_of(&chain, &mut corners);
     corners.iter().map(|corner| [corner.point.x, corner.point.y]).collect()
 }

@@ -1,6 +1,7 @@
 //! Channels from solids: maximal free boxes, and slanted edges as steps.
 
-use planning::free_space::solids::{Caps, Solids};
+use planning::budget::Budget;
+use planning::free_space::solids::Solids;
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Vector};
 
@@ -22,15 +23,16 @@ pub(crate) fn figure() -> String {
     );
     let left = View { corner: [20.0, 300.0], min: BOUNDS[0], scale: 40.0 };
     let right = View { corner: [412.0, 300.0], ..left };
+    let budget = Budget::default();
     let mut solids = Solids::default();
     for polygon in [WEDGE, BLOCK] {
         let vertices = polygon.map(Vector::from).to_vec();
-        let polygon = Polygon::new(vertices).expect("a simple polygon");
-        solids.push_polygon(&polygon, 0.3, &Caps::default()).expect("few boxes");
+        let polygon = Polygon::new(vertices, &budget).expect("a simple polygon");
+        solids.push_polygon(&polygon, 0.3, &budget).expect("few boxes");
     }
     let bounds = AxisBox::new(BOUNDS[0].into(), BOUNDS[1].into()).expect("a box");
     let mut channels = Vec::new();
-    let found = solids.channels(&bounds, &Vector::repeat(BODY), &Caps::default(), &mut channels);
+    let found = solids.channels(&bounds, &Vector::repeat(BODY), &budget, &mut channels);
     found.expect("few channels");
 
     let ends = |space: &AxisBox<2>| [space.min(), space.max()].map(|point| [point.x, point.y]);

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use planning::budget::Budget;
 use planning::driving::{self, Corner};
 use planning::free_space::{Chain, End};
 use planning::geometry::{AxisBox, Sign, Vector};
@@ -121,7 +122,7 @@ fn corners(panel: &Panel) -> Vec<Corner> {
         .collect();
     let (mut chain, mut corners) = (Chain::default(), Vec::new());
     let (start, goal) = (Vector::from(panel.start), Vector::from(panel.goal));
-    chain.build(&channels, &start, End::Goal(goal)).expect("a chain");
+    chain.build(&channels, &start, End::Goal(goal), &Budget::default()).expect("a chain");
     driving::corners_of(&chain, &mut corners);
     corners
 }
