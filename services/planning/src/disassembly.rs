@@ -111,6 +111,12 @@ pub struct Path<const D: usize> {
 }
 
 impl<const D: usize> Path<D> {
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        let vectors = self.limits.capacity() + self.gaps.capacity();
+        vectors * size_of::<Vector<D>>() + self.legs.capacity() * size_of::<Leg<D>>()
+    }
+
     /// The limit in (3.1) per junction and axis, metres.
     pub fn limits(&self) -> &[Vector<D>] {
         &self.limits

@@ -204,6 +204,14 @@ pub struct Path {
 }
 
 impl Path {
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        self.legs.capacity() * size_of::<Leg<2>>()
+            + self.leg_clearances.capacity() * size_of::<f64>()
+            + self.knots.capacity() * size_of::<Knot>()
+            + self.kept.capacity()
+    }
+
     /// The legs in travel order.
     pub fn legs(&self) -> &[Leg<2>] {
         &self.legs

@@ -105,6 +105,14 @@ pub struct Chain<const D: usize> {
 }
 
 impl<const D: usize> Chain<D> {
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        self.channels.capacity() * size_of::<AxisBox<D>>()
+            + self.axes.capacity() * size_of::<usize>()
+            + self.possible.capacity()
+            + self.corners.capacity() * size_of::<Corner<D>>()
+    }
+
     /// Makes the junctions of `channels` (equation 2.4) and finds the directions in which
     /// each is entered and left.
     ///

@@ -76,6 +76,13 @@ pub(super) struct Phase {
 }
 
 impl Profile {
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        self.bounds.capacity() * size_of::<Bound>()
+            + self.phases.capacity() * size_of::<Phase>()
+            + self.leg_ends.capacity() * size_of::<f64>()
+    }
+
     /// Plans the motion along `legs`, each beginning where the one before ends.
     ///
     /// Legs that neither move nor turn take no time; a line or an arc without length

@@ -26,9 +26,15 @@ pub struct Complement<const D: usize> {
     pieces: Vec<Piece<D>>,
 }
 
-#[cfg(test)]
 impl<const D: usize> Complement<D> {
-    /// What it holds, bytes.
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        self.neighbours.capacity() * size_of::<usize>()
+            + self.pieces.capacity() * size_of::<Piece<D>>()
+    }
+
+    /// What is in it, bytes.
+    #[cfg(test)]
     pub(super) fn memory(&self) -> usize {
         size_of_val(&*self.neighbours) + size_of_val(&*self.pieces)
     }
