@@ -8,7 +8,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::time::Instant;
 
-use answer::Workspace;
+use answer::{StopFlag, Workspace};
 use bus::{Client, Server, ServerOptions, Wait};
 use integration_tests::{LONG, TestDomain, scene};
 use schemas::message::{Choice, ClearanceWish, Gap, SceneRequest, Solid, Task};
@@ -67,7 +67,9 @@ fn allocations(work: impl FnOnce()) -> u64 {
 fn serve(server: &mut Server, cells: &mut Vec<u64>, workspace: &mut Workspace) {
     let mut incoming = server.receive().expect("a request waits");
     let header = incoming.copy(cells);
-    workspace.answer(&header, cells, &mut incoming.reply()).expect("the client takes its reply");
+    let stop = StopFlag::new();
+    let sent = workspace.answer(&header, cells, &stop, &mut incoming.reply());
+    sent.expect("the client takes its reply");
 }
 
 /// iceoryx2's allocations for a request that is taken (`port/server.rs`,

@@ -6,7 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use answer::Workspace;
+use answer::{StopFlag, Workspace};
 use bus::{Client, Domain, Server, ServerOptions, Wait};
 use iceoryx2::prelude::{AllocationStrategy, Config, FileName, NodeBuilder, SemanticString, ipc};
 use iceoryx2::service::port_factory::request_response::PortFactory;
@@ -93,7 +93,7 @@ fn measure(samples: u64) {
             if let Some(mut incoming) = server.receive() {
                 let header = incoming.copy(&mut memory);
                 workspace
-                    .answer(&header, &memory, &mut incoming.reply())
+                    .answer(&header, &memory, &StopFlag::new(), &mut incoming.reply())
                     .expect("the client waits");
             }
             if let Some(request) = bare_server.receive().expect("a healthy connection") {
@@ -163,7 +163,7 @@ fn reply_sizes(scene: &SceneRequest) -> Vec<usize> {
     let mut cells = Vec::new();
     let header = write_scene(scene, RequestKey::default(), 0, &mut cells).expect("one dimension");
     let mut sizes = Sizes(Vec::new());
-    let Ok(()) = Workspace::default().answer(&header, &cells, &mut sizes);
+    let Ok(()) = Workspace::default().answer(&header, &cells, &StopFlag::new(), &mut sizes);
     sizes.0
 }
 

@@ -88,7 +88,7 @@ fn cases() -> Vec<Case> {
     case(scene_with("/free_space/channels", json!([])), invalid, field, says);
     let apart = json!({"min": [1, 6.5], "max": [7, 8]});
     let field = Some("free_space.channels[1]");
-    let says = &["channels 0 and 1 do not overlap along z", "ends at 6", "begins at 6.5"];
+    let says = &["channels 0 and 1 do not overlap along z", "ends at 6 m", "begins at 6.5 m"];
     case(scene_with("/free_space/channels/1", apart), invalid, field, says);
 
     let mut gap = |gap: Value, says| {
@@ -102,21 +102,26 @@ fn cases() -> Vec<Case> {
     gap(json!([0.1, 0.6]), &["a gap of 0.6 m at junction 0 along z", "less than 0.505"]);
     let mut case = |line: String, code, field, says| cases.push(Case { line, code, field, says });
     let gaps = scene_with("/clearance", json!({"gaps": [0.1]}));
-    case(gaps, invalid, Some("clearance.gaps"), &["1 gaps", "2 junctions"]);
+    case(gaps, invalid, Some("clearance.gaps"), &["1 gap ", "2 junctions"]);
 
     let low = json!({"min": [1, 2], "max": [7, 4.5]});
     let says = &["junction 0 is 2.5 m wide along z", "more than 2.99 m"];
     case(scene_with("/free_space/channels/1", low), "junction_too_small", None, says);
     let outside = json!([[3.5, 1.01], [3.5, 4], [6, 4], [6, 1.01]]);
-    let says = &["reaches 3.5 along x", "ends at 4"];
+    let says = &["reaches 3.5 m along x", "ends at 4 m"];
     case(polygon(outside), "body_outside_free_space", None, says);
 
     let code = "too_many_samples";
-    let says = &["2000002 samples", "at most 1000000"];
+    let says = &["2000002 samples", "the limit is 1000000"];
     case(scene_with("/sampling", json!({"count": 2_000_000})), code, None, says);
     let field = Some("sampling.period");
-    case(scene_with("/sampling", json!({"period": 0})), invalid, field, &["not 0"]);
-    let says = &["from 1e-9 to 1e12", "not -1"];
+    case(
+        scene_with("/sampling", json!({"period": 0})),
+        invalid,
+        field,
+        &["is 0 s", "greater than 0"],
+    );
+    let says = &["is -1 m/s", "between 1e-9 and 1e12"];
     case(scene_with("/limits/speed", json!(-1)), invalid, Some("limits.speed"), says);
     case(scene_with("/deadline", json!(-1)), invalid, Some("deadline"), &["greater than 0", "-1"]);
     cases

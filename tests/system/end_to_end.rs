@@ -93,7 +93,7 @@ fn a_recording_made_with_other_caps_replays_with_them() {
     let planned = test.plan(&[&["--format", "json"], files.as_slice()].concat());
     let local = ["--local", "--config", "planner.toml", "--format", "json"];
     assert_eq!(planned, test.run("plan", &[&local, files.as_slice()].concat()));
-    for said in ["at most 100 can be had", "at most 40 are read"] {
+    for said in ["the limit is 100 (`caps.samples`)", "at most 40 are read (`caps.cells`)"] {
         assert!(planned.stdout.contains(said), "nothing is refused with {said:?}");
     }
     recorder.stop();
@@ -202,13 +202,13 @@ fn what_would_open_a_way_is_said_of_each_kind() {
         (route, x, Some(1.0), Some(0.75), "the junction of channels 0 and 2"),
         (gap, x, None, Some(0.2), "less than 0.125 m along x"),
         (route, y, Some(1.25), Some(0.5), "from (x 4, y 2) to (x 4.25, y 2.5) is 0.5 m wide"),
-        (gap, y, None, Some(0.5), "with a gap of less than 0.368033989 m, not 0.5 m"),
-        (route, x, Some(0.0), Some(-0.25), "a wall of solid 0 separates start and end, 0.25 m"),
+        (gap, y, None, Some(0.5), "a gap of less than 0.368033989 m instead of 0.5 m"),
+        (route, x, Some(0.0), Some(-0.25), "a wall of solid 0, 0.25 m thick along x, separates"),
         (body, y, Some(0.75), Some(0.5), "no room at the start"),
         (goal, x, None, Some(0.125), "the goal lies 0.125 m into solid 1 along x"),
         (route, x, Some(2.5), Some(2.0), "from (x 1, z 6) to (x 3, z 7) is 2 m wide along x"),
         (route, z, Some(4.25), Some(4.0), "from (x 1, z 2) to (x 7, z 6) is 4 m wide along z"),
-        (route, z, Some(0.0), Some(-0.5), "a wall of solid 1 separates start and end, 0.5 m"),
+        (route, z, Some(0.0), Some(-0.5), "a wall of solid 1, 0.5 m thick along z, separates"),
         (body, x, None, Some(0.25), "the body's bounding box reaches 0.25 m into solid 0"),
         (route, y, Some(0.875), Some(0.75), "to (x 2.5, y 1.75, z 2.5) is 0.75 m wide along y"),
     ];

@@ -43,7 +43,7 @@ pub fn border(bytes: &[u8]) {
     check_reply(&alone);
     let mut collect = Collect::default();
     WORKSPACE.with_borrow_mut(|workspace| {
-        let Ok(()) = workspace.answer(&header, &cells, &mut collect);
+        let Ok(()) = workspace.answer(&header, &cells, &answer::StopFlag::new(), &mut collect);
     });
     let served = collect.reply.expect("the last part says that it is the last");
     assert!(alone == served, "the requests before changed the reply:\n{alone:?}\n{served:?}");

@@ -103,7 +103,9 @@ fn exchanges() -> Vec<Exchange> {
         }
         let (header, cells) = request_cells(&scene);
         let mut parts = Parts(Vec::new());
-        let Ok(()) = answer::Workspace::new(small_caps(), 0).answer(&header, &cells, &mut parts);
+        let (mut workspace, stop) =
+            (answer::Workspace::new(small_caps(), 0), answer::StopFlag::new());
+        let Ok(()) = workspace.answer(&header, &cells, &stop, &mut parts);
         exchanges.push((name, scene, parts.0));
     }
     let (_, scene, _) = exchanges[0].clone();

@@ -5,7 +5,7 @@
 
 use std::convert::Infallible;
 
-use answer::{Caps, Workspace};
+use answer::{Caps, StopFlag, Workspace};
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
 use schemas::message::{
@@ -47,10 +47,10 @@ fn bench_by_turns(bencher: divan::Bencher, scenes: &[&SceneRequest], mut workspa
     };
     let requests: Vec<_> = scenes.iter().map(request).collect();
     let mut turns = requests.iter().cycle();
-    let mut memory = Memory(vec![0; PART_CELLS]);
+    let (mut memory, stop) = (Memory(vec![0; PART_CELLS]), StopFlag::new());
     bencher.bench_local(|| {
         let (header, cells) = turns.next().expect("at least one");
-        let Ok(()) = workspace.answer(header, cells, &mut memory);
+        let Ok(()) = workspace.answer(header, cells, &stop, &mut memory);
         memory.0[0]
     });
 }

@@ -3,114 +3,153 @@
 
 use std::mem;
 
-use planning::budget::{Budget, Spent};
-use planning::clearance::Clearance;
-use planning::clearance::translating::{Body, translating_clearance};
-use planning::disassembly::{self, DisassemblyError, Path, disassemble};
-use planning::free_space::{Chain, End};
-use planning::geometry::{Direction, Sign, Vector};
-use planning::motion::Curve;
-use planning::route::{Judgement, Motion, Translating};
-use planning::trajectory::{Limits, Profile, Sampling, Stops};
+use planning::budget::Budget;
+use planning::clearance::translating::Body;
+use planning::disassembly;
+use planning::free_space::End;
+use planning::free_space::walls::Complement;
+use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use planning::route::{Motion, Router, Translating};
+use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Gap, Refusal, RequestKey, SceneRequest, Task};
+use schemas::message::{self, Gap, Refusal, SceneRequest, Task};
 use schemas::wire::ReplyHeader;
 
-use super::cache::Cache;
-use super::free_space::FreeSpace;
-use super::parts::{self, Parts};
-use super::refuse::{self, Axes, PLANE, SPACE};
-use super::{Refused, Wish, Wishes, answer_each, check};
+use crate::answers::{Job, Pace, Resources, Stop, answer_each};
+use crate::check;
+use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Source};
+use crate::parts::{self, Parts};
+use crate::refuse::{self, Axes, PLANE, Refused, SPACE};
+use crate::stop::StopFlag;
+use crate::wish::{Gaps, Wish, Wishes};
+
+mod course;
+
+use course::Course;
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
-pub(super) struct Assembly<const D: usize> {
-    body: Vec<Vector<2>>,
-    free_space: FreeSpace<D, Translating<D>>,
-    chain: Chain<D>,
-    /// The exit at hand.
-    exit: Option<Direction>,
-    exits: Vec<Direction>,
+pub(crate) struct Assembly<const D: usize> {
+    outline: Vec<Vector<2>>,
+    buffers: Buffers<D>,
+    memory: Memory<D>,
+}
+
+#[derive(Debug, Default)]
+struct Memory<const D: usize> {
+    complement: Complement<D>,
+    router: Router<D, Translating<D>>,
     gaps: Vec<Vector<D>>,
-    path: Path<D>,
-    /// Of the legs, and of the whole motion; none where there are no walls.
-    clearances: Vec<Clearance<D>>,
-    clearance: Option<Clearance<D>>,
+    course: Course<D>,
+    /// Of several exits, the best so far.
+    best: Course<D>,
     profile: Profile,
 }
 
-/// What all answers to a request share.
+/// What is moved, and how.
+#[derive(Debug, Clone, Copy)]
 struct Terms<'a, const D: usize> {
-    budget: &'a Budget<'a>,
     scene: &'a SceneRequest,
     axes: Axes,
     body: Body<'a, D>,
-    limits: Limits,
-    sampling: Sampling,
+    pace: Pace,
+}
+
+/// So many directions lead out of a part in three dimensions.
+const MOST_EXITS: usize = 6;
+
+/// An assembly task whose scene has been read and checked.
+struct AssemblyJob<'a, const D: usize> {
+    terms: Terms<'a, D>,
+    source: Source<'a, D>,
+    /// The ways out that the request names, each once; at least one.
+    ways: [Option<WayOut<'a, D>>; MOST_EXITS],
+    /// The way out of the answer planned last.
+    chosen: usize,
+    memory: &'a mut Memory<D>,
+    resources: Resources<'a>,
+}
+
+/// A way out of the part, and the free space for it once it is looked at.
+struct WayOut<'a, const D: usize> {
+    exit: Direction,
+    /// As the request names it; `None` if it doesn't.
+    name: Option<message::Direction>,
+    space: Option<FreeSpace<'a, D>>,
 }
 
 impl Assembly<2> {
-    /// Answers a request for a body in the plane. `Err`: the request as a whole is
-    /// refused, and nothing has been sent.
-    pub(super) fn answer<S: PartSink>(
+    /// Answers a request for a body in the plane.
+    pub(crate) fn answer<S: PartSink>(
         &mut self,
-        key: RequestKey,
         scene: &SceneRequest,
-        wishes: &Wishes,
-        cache: &mut Cache,
-        sink: &mut S,
-    ) -> Result<Result<(), S::Error>, Refusal> {
-        let budget = wishes.budget;
-        self.free_space.read(scene, &PLANE, budget, cache)?;
-        match &scene.body {
-            message::Body::Polygon(vertices) => {
+        wishes: &Wishes<'_>,
+        mut resources: Resources<'_>,
+        stop: &StopFlag,
+        parts: &mut Parts<'_, S>,
+    ) -> Result<(), Stop<S::Error>> {
+        let Self { outline, buffers, memory } = self;
+        let mut polygon = None;
+        let body = match &scene.body {
+            message::Body::Polygon(points) => {
                 let field = || "body.polygon".to_owned();
-                let body = check::polygon(field, vertices, &mut self.body, budget)?;
-                let terms = Terms::new(scene, PLANE, Body::from_polygon(&body), budget)?;
-                self.take_in_solids(&terms, cache)?;
-                let answered = self.answer_body(key, &terms, wishes, cache, sink);
-                self.body = body.into_vertices();
-                answered
+                let checked = check::polygon(field, points, outline, resources.budget)?;
+                Body::from_polygon(polygon.insert(checked))
             }
             message::Body::Box(sides) => {
-                let body = check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?;
-                let terms = Terms::new(scene, PLANE, Body::from_box(&body), budget)?;
-                self.take_in_solids(&terms, cache)?;
-                self.answer_body(key, &terms, wishes, cache, sink)
+                Body::from_box(&check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?)
             }
-            message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
+            message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
+        };
+        let terms = Terms::new(scene, PLANE, body, wishes)?;
+        let size = body.bounds().size();
+        let source = Source::read(scene, &PLANE, size.as_slice(), buffers, &mut resources)?;
+        let budget = resources.budget;
+        let mut job = AssemblyJob::new(terms, source, memory, resources)?;
+        let answered = answer_each(&mut job, wishes, (budget, stop), parts);
+        if let Some(polygon) = polygon {
+            *outline = polygon.into_vertices();
         }
-    }
-
-    fn take_in_solids(&mut self, terms: &Terms<2>, cache: &mut Cache) -> Result<(), Refusal> {
-        let size = terms.body.bounds().size();
-        let Terms { scene, budget, .. } = terms;
-        self.free_space.take_in_solids(scene, &PLANE, size.as_slice(), budget, cache)
+        answered
     }
 }
 
 impl Assembly<3> {
-    /// Answers a request for a body in space; see [`Assembly::<2>::answer`].
-    pub(super) fn answer<S: PartSink>(
+    /// Answers a request for a body in space.
+    pub(crate) fn answer<S: PartSink>(
         &mut self,
-        key: RequestKey,
         scene: &SceneRequest,
-        wishes: &Wishes,
-        cache: &mut Cache,
-        sink: &mut S,
-    ) -> Result<Result<(), S::Error>, Refusal> {
-        let budget = wishes.budget;
-        self.free_space.read(scene, &SPACE, budget, cache)?;
-        self.free_space.take_in_solids(scene, &SPACE, budget, cache)?;
-        match &scene.body {
+        wishes: &Wishes<'_>,
+        mut resources: Resources<'_>,
+        stop: &StopFlag,
+        parts: &mut Parts<'_, S>,
+    ) -> Result<(), Stop<S::Error>> {
+        let Self { buffers, memory, .. } = self;
+        let body = match &scene.body {
             message::Body::Box(sides) => {
-                let body = check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?;
-                let terms = Terms::new(scene, SPACE, Body::from_box(&body), budget)?;
-                self.answer_body(key, &terms, wishes, cache, sink)
+                Body::from_box(&check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?)
             }
-            message::Body::Polygon(_) => Err(check::flat("body.polygon".to_owned())),
-            message::Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
-        }
+            message::Body::Polygon(_) => return Err(check::flat("body.polygon".to_owned()).into()),
+            message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
+        };
+        let terms = Terms::new(scene, SPACE, body, wishes)?;
+        let size: Vector<3> = body.bounds().size();
+        let source = Source::read(scene, &SPACE, size.as_slice(), buffers, &mut resources)?;
+        let budget = resources.budget;
+        let mut job = AssemblyJob::new(terms, source, memory, resources)?;
+        answer_each(&mut job, wishes, (budget, stop), parts)
+    }
+}
+
+impl<const D: usize> Assembly<D> {
+    /// The memory that it holds, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { outline, buffers, memory } = self;
+        let Memory { complement, router, gaps, course, best, profile } = memory;
+        let vectors =
+            outline.capacity() * size_of::<Vector<2>>() + gaps.capacity() * size_of::<Vector<D>>();
+        let courses = course.bytes() + best.bytes();
+        vectors + buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
     }
 }
 
@@ -119,291 +158,187 @@ impl<'a, const D: usize> Terms<'a, D> {
         scene: &'a SceneRequest,
         axes: Axes,
         body: Body<'a, D>,
-        budget: &'a Budget<'a>,
+        wishes: &Wishes<'_>,
     ) -> Result<Self, Refusal> {
-        Ok(Self {
-            budget,
-            scene,
-            axes,
-            body,
-            limits: check::limits(&scene.limits)?,
-            sampling: check::sampling(scene.sampling)?,
-        })
+        Ok(Self { scene, axes, body, pace: Pace::of(scene, wishes, Stops::EveryLeg)? })
+    }
+
+    /// The free space for a way out. Whatever is refused, no gap would help.
+    fn open(
+        &self,
+        exit: Direction,
+        source: &mut Source<'a, D>,
+        explain: Explain,
+        resources: &mut Resources<'_>,
+    ) -> Result<FreeSpace<'a, D>, Refused> {
+        let Self { axes, body, .. } = self;
+        let cavity = |cut: &Cut<'a, D>| {
+            cut.cavity(body.bounds(), exit).ok_or_else(|| {
+                let message = "free_space.solids enclose no cavity";
+                Refusal::invalid("free_space.solids", message)
+            })
+        };
+        let space = source.open(cavity, body.bounds().size(), resources).map_err(Refused::whole)?;
+        let (Source::Solids(cut), FreeSpace::Made(made)) = (source, &space) else {
+            return Ok(space);
+        };
+        if let Err(refusal) = check::mouth(axes, space.channels(), made.bounds(), exit) {
+            let mover = Translating::new(body.bounds(), disassembly::Gap::Safest, End::Exit(exit));
+            return Err(match mover {
+                Ok(mover) if explain == Explain::Fully => {
+                    cut.refuse_mouth(made, axes, refusal, mover.traveller(), resources)
+                }
+                _ => Refused::Request(refusal),
+            });
+        }
+        Ok(space)
     }
 }
 
-impl<const D: usize> Assembly<D> {
-    /// Lets go of what belongs to the cache: the request has ended.
-    pub(super) fn release(&mut self) {
-        self.free_space.release();
-    }
-
-    /// Answers for a body that is checked, solids being taken in.
-    fn answer_body<S: PartSink>(
-        &mut self,
-        key: RequestKey,
-        terms: &Terms<D>,
-        wishes: &Wishes,
-        cache: &mut Cache,
-        sink: &mut S,
-    ) -> Result<Result<(), S::Error>, Refusal> {
-        self.set_exits(terms)?;
-        if let [exit] = self.exits[..] {
-            self.prepare(terms, exit, cache)?;
+impl<'a, const D: usize> AssemblyJob<'a, D> {
+    fn new(
+        terms: Terms<'a, D>,
+        mut source: Source<'a, D>,
+        memory: &'a mut Memory<D>,
+        mut resources: Resources<'a>,
+    ) -> Result<Self, Refused> {
+        let mut ways = [const { None }; MOST_EXITS];
+        let mut add = |exit: Direction, name| {
+            let known =
+                |way: &&mut Option<WayOut<'_, D>>| way.as_ref().is_none_or(|way| way.exit == exit);
+            if let Some(way) = ways.iter_mut().find(known) {
+                way.get_or_insert(WayOut { exit, name, space: None });
+            }
+        };
+        for name in &terms.scene.exit {
+            add(check::direction::<D>(&terms.axes, *name)?, Some(*name));
         }
-        answer_each(key, terms.scene.id, wishes, sink, |index, last, parts| {
-            let exit = self.plan(terms, wishes, index, cache)?;
-            Ok(self.send(terms, exit, wishes.sampled(), last, parts))
-        })
-    }
-
-    /// The ways out that the request names, or up.
-    fn set_exits(&mut self, terms: &Terms<D>) -> Result<(), Refusal> {
-        self.exits.clear();
-        for exit in &terms.scene.exit {
-            self.exits.push(check::direction::<D>(&terms.axes, *exit)?);
-        }
-        if self.exits.is_empty() {
+        if terms.scene.exit.is_empty() {
             let up = terms.axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0);
-            self.exits.push(Direction { axis: up, sign: Sign::Positive });
+            add(Direction { axis: up, sign: Sign::Positive }, None);
         }
-        Ok(())
+        memory.course.forget();
+        memory.best.forget();
+        if let [Some(only), None, ..] = &mut ways {
+            let (source, resources) = (&mut source, &mut resources);
+            only.space = Some(terms.open(only.exit, source, Explain::Fully, resources)?);
+        }
+        Ok(Self { terms, source, ways, chosen: 0, memory, resources })
     }
 
-    /// Makes what all ways to an exit have in common.
-    fn prepare(
-        &mut self,
-        terms: &Terms<D>,
-        exit: Direction,
-        cache: &mut Cache,
-    ) -> Result<(), Refusal> {
-        let free_space = &mut self.free_space;
-        if free_space.is_made() {
-            let body = terms.body.bounds();
-            let Some(cavity) = free_space.cavity(body, exit) else {
-                let message = "free_space.solids bound no cavity";
-                return Err(Refusal::invalid("free_space.solids", message));
-            };
-            free_space.make(cavity, body.size(), terms.budget, cache)?;
-            let traveller = Translating::new(body, disassembly::Gap::Safest, End::Exit(exit));
-            let traveller = traveller.ok();
-            free_space.check_mouth(&terms.axes, &cavity, exit, traveller, terms.budget)?;
-        }
-        self.exit = Some(exit);
-        if self.free_space.is_routed() { Ok(()) } else { self.build_chain(terms, exit, cache) }
-    }
-
-    /// Makes the chain of the channels travelled, and the walls where they are the
-    /// channels' complement.
-    fn build_chain(
-        &mut self,
-        terms: &Terms<D>,
-        exit: Direction,
-        cache: &mut Cache,
-    ) -> Result<(), Refusal> {
-        self.chain
-            .build(
-                self.free_space.travelled(),
-                &terms.body.bounds().center(),
-                End::Exit(exit),
-                terms.budget,
-            )
-            .map_err(|error| refuse::chain(&terms.axes, error))?;
-        if !check::has_solids(terms.scene) {
-            self.free_space.wall_in(self.chain.mouth(), terms.budget, cache)?;
-        }
-        Ok(())
-    }
-
-    /// Plans one answer; `path`, `clearances` and `profile` then hold it. Where there are
-    /// several exits, it is the one with the shortest path, and its exit is returned.
-    fn plan(
-        &mut self,
-        terms: &Terms<D>,
-        wishes: &Wishes,
-        index: u32,
-        cache: &mut Cache,
-    ) -> Result<Option<message::Direction>, Refused> {
-        let wish = wishes.get(index);
-        let exit = match self.exits[..] {
-            [_] => {
-                self.find_path(terms, wish, cache, || wishes.field(index))?;
-                None
-            }
-            _ => Some(self.shortest(terms, wish, cache, || wishes.field(index))?),
-        };
-        let Self { path, clearances, clearance, .. } = self;
-        if terms.scene.task == Task::Assemble {
-            // Measured on the way out: the reverse is exact in every number.
-            path.reverse();
-            clearances.reverse();
-            if let Some(near) = clearance {
-                near.at = path.length() - near.at;
-            }
-        }
-        self.profile
-            .plan(self.path.legs(), &terms.limits, Stops::EveryLeg, terms.budget)
-            .map_err(refuse::spent)?;
-        wishes.check_samples(&self.profile, terms.sampling)?;
-        Ok(exit)
-    }
-
-    fn shortest(
-        &mut self,
-        terms: &Terms<D>,
-        wish: Wish,
-        cache: &mut Cache,
-        field: impl Fn() -> String + Copy,
-    ) -> Result<message::Direction, Refused> {
+    /// Finds the path of an answer. Where there are several ways out, it is the shortest.
+    fn find(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         let mut best: Option<(f64, usize)> = None;
-        let mut first_refused = None;
-        // An exit that does not do is no matter if another does.
-        self.free_space.explains = false;
-        for index in 0..self.exits.len() {
-            let found = self
-                .prepare(terms, self.exits[index], cache)
-                .map_err(|refusal| Refused { refusal, whole: true })
-                .and_then(|()| self.find_path(terms, wish, cache, field));
-            match found {
-                Ok(()) if best.is_none_or(|(length, _)| self.path.length() < length) => {
-                    best = Some((self.path.length(), index));
-                }
-                Ok(()) => {}
-                Err(_) => {
-                    first_refused.get_or_insert(index);
+        let mut first_refused = 0;
+        let count = self.ways.iter().flatten().count();
+        if count > 1 {
+            first_refused = count;
+            for at in 0..count {
+                match self.find_by(at, wish, Explain::No) {
+                    Ok(()) => {
+                        let length = self.memory.course.path.length();
+                        if best.is_none_or(|(least, _)| length < least) {
+                            best = Some((length, at));
+                            mem::swap(&mut self.memory.course, &mut self.memory.best);
+                        }
+                    }
+                    Err(refused) if refused.is_final() => return Err(refused),
+                    // It doesn't matter if another will do.
+                    Err(_) => first_refused = first_refused.min(at),
                 }
             }
         }
-        self.free_space.explains = true;
-        let index = best.map(|(_, index)| index).or(first_refused).unwrap_or(0);
-        self.prepare(terms, self.exits[index], cache)
-            .map_err(|refusal| Refused { refusal, whole: true })?;
-        self.find_path(terms, wish, cache, field)?;
-        Ok(terms.scene.exit[index])
+        if let Some((_, at)) = best {
+            mem::swap(&mut self.memory.course, &mut self.memory.best);
+            self.chosen = at;
+            return Ok(());
+        }
+        self.chosen = first_refused;
+        self.find_by(first_refused, wish, Explain::Fully)
     }
 
-    /// The path to the exit that is prepared, and its clearance.
-    fn find_path(
-        &mut self,
-        terms: &Terms<D>,
-        wish: Wish,
-        cache: &mut Cache,
-        field: impl Fn() -> String,
-    ) -> Result<(), Refused> {
-        let mut gaps = mem::take(&mut self.gaps);
-        let found = self.find_path_with(terms, wish, &mut gaps, cache, field);
-        self.gaps = gaps;
-        found
+    /// The channels made for the answer planned last.
+    fn made(&self) -> &[AxisBox<D>] {
+        let way = self.ways[self.chosen].as_ref();
+        way.and_then(|way| way.space.as_ref()).map_or(&[], FreeSpace::made)
     }
 
-    /// The same, in memory for a gap per junction.
-    fn find_path_with(
-        &mut self,
-        terms: &Terms<D>,
-        wish: Wish,
-        memory: &mut Vec<Vector<D>>,
-        cache: &mut Cache,
-        field: impl Fn() -> String,
-    ) -> Result<(), Refused> {
-        let gap = match wish {
-            Wish::Gap(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
-            Wish::Gap(Gap::PerAxis(gaps)) => disassembly::Gap::PerAxis(
-                per_axis(&gaps)
-                    .ok_or_else(|| check::gaps_per_axis(field(), gaps.dimension(), D))?,
-            ),
-            Wish::Gaps(gaps) => {
-                memory.clear();
-                for (junction, gap) in gaps.iter().enumerate() {
-                    let gap = match gap {
-                        Gap::Uniform(gap) => Vector::repeat(*gap),
-                        Gap::PerAxis(gaps) => per_axis(gaps).ok_or_else(|| {
-                            let field = format!("{}[{junction}]", field());
-                            check::gaps_per_axis(field, gaps.dimension(), D)
-                        })?,
-                    };
-                    memory.push(gap);
-                }
-                disassembly::Gap::PerJunction(memory)
-            }
-            Wish::Safest => disassembly::Gap::Safest,
-            Wish::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
+    /// Finds the path to one way out, and its clearance.
+    fn find_by(&mut self, at: usize, wish: &Wish<'_>, explain: Explain) -> Result<(), Refused> {
+        let Self { terms, source, ways, memory, resources, .. } = self;
+        let Memory { complement, router, gaps, course, .. } = &mut **memory;
+        let Terms { axes, body, .. } = &*terms;
+        let Some(WayOut { exit, space, .. }) = &mut ways[at] else { return Ok(()) };
+        let exit = *exit;
+        let space = match space {
+            Some(space) => space,
+            none => none.insert(terms.open(exit, source, explain, resources)?),
         };
-        if let Some(exit) = self.exit.filter(|_| self.free_space.is_routed()) {
-            let mut body = Translating::new(terms.body.bounds(), gap, End::Exit(exit))
-                .map_err(|error| refuse::route(&terms.axes, field(), error))?;
-            let found = self.free_space.find(&mut body, terms.budget, |_, _, length| {
-                Ok(Judgement::Accepted { length, value: () })
-            });
-            found.map_err(|error| {
-                let traveller = body.traveller();
-                self.free_space.refuse_route(&terms.axes, field(), error, traveller, terms.budget)
-            })?;
-            self.build_chain(terms, exit, cache)?;
+        let budget = resources.budget;
+        let gap = gap_of(wish, gaps, budget)?;
+        match space.graph() {
+            None => course
+                .follow_all(space.channels(), body, exit, budget)
+                .map_err(|error| refuse::chain(axes, error).whole())?,
+            Some(graph) => {
+                let mut mover = Translating::new(body.bounds(), gap, End::Exit(exit))
+                    .map_err(|error| refuse::route(axes, wish.field(), error))?;
+                if let Err(error) = router.find(graph, &mut mover, budget) {
+                    let error = (wish.field(), error);
+                    return Err(match (source, &*space, explain) {
+                        (Source::Solids(cut), FreeSpace::Made(made), Explain::Fully) => {
+                            cut.refuse_route(made, axes, error, mover.traveller(), resources)
+                        }
+                        _ => refuse::route(axes, error.0, error.1),
+                    });
+                }
+                course
+                    .follow(graph.channels(), router.route(), body, exit, budget)
+                    .map_err(|error| refuse::chain(axes, error))?;
+            }
         }
-        let found =
-            disassemble(&self.chain, terms.body.bounds(), gap, &mut self.path, terms.budget);
-        found.map_err(|error| {
-            let whole = matches!(
-                error,
-                DisassemblyError::NoChannels
-                    | DisassemblyError::BodyOutside { .. }
-                    | DisassemblyError::JunctionTooSmall { .. }
-            );
-            Refused { refusal: refuse::disassembly(&terms.axes, field(), error), whole }
-        })?;
-        let Self { path, free_space, clearances, .. } = self;
-        let walls = free_space.walls();
-        self.clearance =
-            translating_clearance(&terms.body, walls, path.legs(), clearances, terms.budget)
-                .map_err(refuse::spent)?;
-        match self.clearance {
+        let walls = space.walls(course.mouth(), complement, resources)?;
+        course
+            .disassemble(body, gap, budget)
+            .map_err(|error| refuse::disassembly(axes, wish.field(), error))?;
+        match course.measure(body, &walls, budget)? {
             Some(near)
-                if near.value <= 0.0 && !self.is_contact(terms).map_err(refuse::spent)? =>
+                if near.value <= 0.0 && !course.is_contact(body, space, &walls, budget)? =>
             {
                 Err(refuse::wall_in_the_way(&near).into())
             }
             _ => Ok(()),
         }
     }
+}
 
-    /// Whether a clearance of 0 is no more than contact, because the body stays where no solid
-    /// is: in the channels (lemma 1 of docs/method.md) and, at the end, beyond the mouth.
-    fn is_contact(&self, terms: &Terms<D>) -> Result<bool, Spent> {
-        // All other walls are the channels' own sides.
-        if !check::has_solids(terms.scene) {
-            return Ok(true);
+impl<const D: usize> Job for AssemblyJob<'_, D> {
+    fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
+        self.find(wish)?;
+        let made = 2 * D * self.made().len();
+        let Self { terms, memory, resources, .. } = self;
+        let Memory { course, profile, .. } = &mut **memory;
+        if terms.scene.task == Task::Assemble {
+            course.reverse();
         }
-        let (walls, budget) = (self.free_space.walls(), terms.budget);
-        let Some(Curve::Line { to, .. }) = self.path.legs().last().map(|leg| leg.curve) else {
-            return Ok(false);
-        };
-        // Channels made from the solids are free of them.
-        if !self.free_space.is_made() {
-            for channel in self.chain.channels() {
-                if !walls.is_free(channel, budget)? {
-                    return Ok(false);
-                }
-            }
-        }
-        walls.is_free(&terms.body.bounds().translated(&to), budget)
+        let cells = course.cells() + made;
+        terms.pace.plan(course.path.legs(), profile, cells, resources)
     }
 
-    fn send<S: PartSink>(
-        &self,
-        terms: &Terms<D>,
-        exit: Option<message::Direction>,
-        sampled: bool,
-        last: bool,
-        parts: &mut Parts<S>,
-    ) -> Result<(), S::Error> {
-        let Self { path, clearances, clearance, profile, free_space, .. } = self;
+    fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
+        let Memory { course, profile, .. } = &*self.memory;
+        let Course { path, clearances, clearance, route, .. } = course;
         let legs = path.legs();
+        let way = self.ways[self.chosen].as_ref();
+        let made = self.made();
+        let is_choice = self.terms.scene.exit.len() > 1;
+        let exit = way.and_then(|way| way.name).filter(|_| is_choice);
         let lists = TrajectoryWriter {
             gaps: (0..path.gaps().len() * D).map(|at| path.gaps()[at / D][at % D]),
-            route: free_space.route(),
-            channels: free_space.named(),
+            route: route.iter().map(|channel| *channel as u64),
+            channels: parts::boxes(made),
             legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
-            samples: parts::States(sampled.then(|| profile.samples(legs, terms.sampling))),
+            samples: self.terms.pace.states(legs, profile),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = D as u32;
@@ -417,6 +352,34 @@ impl<const D: usize> Assembly<D> {
     }
 }
 
-fn per_axis<const D: usize>(gaps: &message::Vector) -> Option<Vector<D>> {
-    (gaps.dimension() == D).then(|| check::vector(gaps))
+/// The gap that is wished for; a gap per junction in `memory`.
+fn gap_of<'m, const D: usize>(
+    wish: &Wish<'_>,
+    memory: &'m mut Vec<Vector<D>>,
+    budget: &Budget<'_>,
+) -> Result<disassembly::Gap<'m, D>, Refused> {
+    Ok(match wish.gaps {
+        Gaps::Same(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
+        Gaps::Same(gap) => disassembly::Gap::PerAxis(per_axis(&gap, || wish.field())?),
+        Gaps::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
+        Gaps::Each(gaps) => {
+            budget.step(gaps.len() as u64)?;
+            memory.clear();
+            for (junction, gap) in gaps.iter().enumerate() {
+                memory.push(per_axis(gap, || format!("{}[{junction}]", wish.field()))?);
+            }
+            disassembly::Gap::PerJunction(memory)
+        }
+    })
+}
+
+fn per_axis<const D: usize>(
+    gap: &Gap,
+    field: impl FnOnce() -> String,
+) -> Result<Vector<D>, Refusal> {
+    match gap {
+        Gap::Uniform(gap) => Ok(Vector::repeat(*gap)),
+        Gap::PerAxis(gaps) if gaps.dimension() == D => Ok(check::vector(gaps)),
+        Gap::PerAxis(gaps) => Err(check::gaps_per_axis(field(), gaps.dimension(), D)),
+    }
 }

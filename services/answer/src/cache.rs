@@ -3,22 +3,21 @@
 //! Kept is what takes long to make: the junctions of channels ([`Graph`]), be they given in any
 //! order or made from solids, and walls with their index ([`Walls`]), be they the surfaces of solids
 //! or the complement of channels. Each is kept beside the content that it was made from, all of it,
-//! and given out for equal content only; the hash only finds it. So the cache changes
-//! no reply.
+//! and found by equal content only. A request that finds something draws from its budget what
+//! making it would have drawn. So the cache changes no reply.
 //!
 //! What a request uses stays until the request ends, so that its exits and answers share it however
 //! small the bound is. Then what was used least recently goes until the bound holds.
 
 use std::any::Any;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-use std::mem;
 use std::sync::Arc;
 
-use planning::budget::{Budget, Cost};
+use foldhash::fast::FixedState;
+use hashlink::LinkedHashMap;
+use planning::budget::{Budget, Cost, Spent};
 use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
-use planning::geometry::AxisBox;
+use planning::geometry::{AxisBox, HalfSpace, Sign};
 
 /// More entries than these are small ones, which are made again as fast as found.
 const MOST_ENTRIES: usize = 4096;
@@ -37,30 +36,42 @@ pub struct CacheStats {
 }
 
 /// What can be kept.
-pub(super) trait Keep: Any + Default + Send + Sync {
-    /// The memory that it holds.
+pub(crate) trait Cached: Any + Send + Sync {
+    /// The memory that it holds, bytes.
     fn bytes(&self) -> usize;
 }
 
-impl<const D: usize> Keep for Graph<D> {
+impl<const D: usize> Cached for Graph<D> {
     fn bytes(&self) -> usize {
         Graph::bytes(self)
     }
 }
 
-impl<const D: usize> Keep for Walls<D> {
+impl<const D: usize> Cached for Walls<D> {
     fn bytes(&self) -> usize {
         Walls::bytes(self)
     }
 }
 
+/// All maximal free boxes among solids, whatever their size; `None` if they cost too much.
+#[derive(Debug)]
+pub(crate) struct FreeBoxes<const D: usize>(pub(crate) Option<Vec<AxisBox<D>>>);
+
+impl<const D: usize> Cached for FreeBoxes<D> {
+    fn bytes(&self) -> usize {
+        self.0.as_ref().map_or(0, |boxes| boxes.capacity() * size_of::<AxisBox<D>>())
+    }
+}
+
 /// What is made from the content that follows.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// Channels and their junctions.
     Junctions,
     /// Solids, and the junctions of the channels that they leave.
     SolidsJunctions,
+    /// Solids, and all free boxes that they leave.
+    SolidsBoxes,
     /// Channels up to a mouth, and the walls around them.
     ChannelsWalls,
     /// Solids, and the walls that they are.
@@ -69,18 +80,18 @@ pub(super) enum Kind {
 
 /// All that something is made from, in words.
 #[derive(Debug, Default)]
-pub(super) struct Content(Vec<u64>);
+pub(crate) struct Content(Vec<u64>);
 
 impl Content {
-    pub(super) fn word(&mut self, word: u64) {
+    pub(crate) fn word(&mut self, word: u64) {
         self.0.push(word);
     }
 
-    pub(super) fn numbers(&mut self, numbers: &[f64]) {
+    pub(crate) fn numbers(&mut self, numbers: &[f64]) {
         self.0.extend(numbers.iter().map(|number| number.to_bits()));
     }
 
-    pub(super) fn boxes<const D: usize>(&mut self, boxes: &[AxisBox<D>]) {
+    pub(crate) fn boxes<const D: usize>(&mut self, boxes: &[AxisBox<D>]) {
         self.0.reserve(2 * D * boxes.len());
         for sides in boxes {
             self.numbers(sides.min().as_slice());
@@ -88,230 +99,155 @@ impl Content {
         }
     }
 
-    /// Two words at a time, by folded multiplication.
-    fn hash(&self) -> u64 {
-        let mut hash = SEEDS[0] ^ self.0.len() as u64;
-        for pair in self.0.chunks(2) {
-            let second = pair.get(1).copied().unwrap_or_default();
-            let product = u128::from(hash ^ pair[0]) * u128::from(SEEDS[1] ^ second);
-            hash = product as u64 ^ (product >> 64) as u64;
+    pub(crate) fn mouth(&mut self, mouth: Option<HalfSpace>) {
+        self.word(u64::from(mouth.is_some()));
+        if let Some(HalfSpace { side, bound }) = mouth {
+            self.word((side.axis as u64) << 1 | u64::from(side.sign == Sign::Positive));
+            self.numbers(&[bound]);
         }
-        hash
     }
 }
 
-/// So many words are described, hashed and compared in the time of a step.
-const WORDS_PER_STEP: u64 = 4;
-
-const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344];
+/// So many words are written and compared in the time of a step.
+const WORDS_PER_STEP: u64 = 16;
 
 /// Least recently used, bounded in bytes.
 #[derive(Debug)]
-pub(super) struct Cache {
+pub(crate) struct Cache {
     most_bytes: usize,
     /// Counts requests.
     request: u64,
     /// Of what is looked for.
     content: Content,
-    /// Where a content with this hash is. Of several with one hash only the last is kept.
-    places: HashMap<u64, usize, BuildHasherDefault<AsItIs>>,
-    /// A ring from the least to the most recently used, which [`END`] closes.
-    entries: Vec<Entry>,
-    /// Places of `entries` that are in no ring.
-    vacant: Vec<usize>,
+    /// From the least to the most recently used, by content. Its order does not depend on the
+    /// hash.
+    entries: LinkedHashMap<Box<[u64]>, Entry, FixedState>,
+    /// The most entries since the map's memory was last given back.
+    most_entries: usize,
     stats: CacheStats,
 }
 
-/// The entry that is none: before the oldest and behind the newest.
-const END: usize = 0;
-
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Entry {
-    older: usize,
-    newer: usize,
-    hash: u64,
-    memory: Memory,
+    made: Arc<dyn Any + Send + Sync>,
     bytes: usize,
-    /// The last that used it.
+    /// The last request that used it.
     request: u64,
-    /// What making it drew from the budget of the request that it was made for. A request that
-    /// finds it draws the same, once, so that its reply does not depend on what was kept.
+    /// What making it drew from the budget. A request that finds it draws the same, once.
     cost: Cost,
 }
 
-/// What is kept, beside what it was made from.
-#[derive(Debug, Default)]
-struct Memory {
-    content: Vec<u64>,
-    made: Option<Arc<dyn Any + Send + Sync>>,
-}
+/// What the map takes for an entry: its node with two links, and two slots of its table.
+const ENTRY_BYTES: usize =
+    size_of::<Box<[u64]>>() + size_of::<Entry>() + 2 * size_of::<usize>() + 2 * 9;
 
 impl Cache {
     /// An empty one, that holds at most so many bytes from one request to the next.
-    pub(super) fn new(most_bytes: usize) -> Self {
+    pub(crate) fn new(most_bytes: usize) -> Self {
         Self {
             most_bytes,
             request: 0,
             content: Content::default(),
-            places: HashMap::default(),
-            entries: vec![Entry::default()],
-            vacant: Vec::new(),
+            entries: LinkedHashMap::with_hasher(FixedState::default()),
+            most_entries: 0,
             stats: CacheStats::default(),
         }
     }
 
-    pub(super) fn stats(&self) -> CacheStats {
+    pub(crate) fn stats(&self) -> CacheStats {
         self.stats
     }
 
+    /// The memory that describing takes, bytes.
+    pub(crate) fn content_bytes(&self) -> usize {
+        self.content.0.capacity() * size_of::<u64>()
+    }
+
+    /// Gives back the memory that describing takes.
+    pub(crate) fn release_content(&mut self) {
+        self.content = Content::default();
+    }
+
+    /// The most bytes that it holds from one request to the next.
+    pub(crate) fn most_bytes(&self) -> usize {
+        self.most_bytes
+    }
+
     /// Begins to say what [`Cache::get`] is to look for.
-    pub(super) fn describe(&mut self, kind: Kind, dimension: usize) -> &mut Content {
+    pub(crate) fn describe(&mut self, kind: Kind, dimension: usize) -> &mut Content {
         self.content.0.clear();
         self.content.word((kind as u64) << 8 | dimension as u64);
         &mut self.content
     }
 
-    /// What was made from the content described, or is made from it now, in memory that may
-    /// hold something else.
-    pub(super) fn get<T: Keep, E>(
+    /// What was made from the content described, or is made from it now.
+    pub(crate) fn get<T: Cached, E: From<Spent>>(
         &mut self,
         budget: &Budget<'_>,
-        make: impl FnOnce(&mut T) -> Result<(), E>,
+        make: impl FnOnce() -> Result<T, E>,
     ) -> Result<Arc<T>, E> {
-        // Looking takes time, too. Where there is none left, `make` says so.
-        let words = self.content.0.len() as u64;
-        if budget.step(1 + words / WORDS_PER_STEP).is_ok()
-            && let Some(made) = self.look(budget)
-        {
+        budget.step(self.content.0.len() as u64 / WORDS_PER_STEP)?;
+        if let Some(made) = self.find(budget) {
+            self.stats.hits += 1;
             return Ok(made);
         }
-        let hash = self.content.hash();
-        if let Some(at) = self.places.get(&hash).copied() {
-            self.forget(at);
-        }
         self.stats.misses += 1;
-        let Memory { mut content, made } = self.spare();
-        let made = made.and_then(|made| Arc::downcast(made).ok());
-        let mut made: Arc<T> = made.filter(|made| Arc::strong_count(made) == 1).unwrap_or_default();
-        let (result, cost) =
-            budget.measure(|| make(Arc::get_mut(&mut made).expect("it is nobody else's")));
-        result?;
-        content.clear();
-        content.extend_from_slice(&self.content.0);
-        self.keep(hash, Memory { content, made: Some(made.clone()) }, made.bytes(), cost);
+        let (made, cost) = budget.measure(|| {
+            budget.hold(size_of_val::<[u64]>(&self.content.0) + ENTRY_BYTES)?;
+            make()
+        });
+        let made = Arc::new(made?);
+        let content: Box<[u64]> = self.content.0.as_slice().into();
+        let bytes = size_of_val::<[u64]>(&content) + size_of::<T>() + made.bytes() + ENTRY_BYTES;
+        let entry = Entry { made: made.clone(), bytes, request: self.request, cost };
+        self.stats.bytes += bytes;
+        if let Some(replaced) = self.entries.insert(content, entry) {
+            self.stats.bytes -= replaced.bytes;
+        }
+        self.most_entries = self.most_entries.max(self.entries.len());
+        self.stats.entries = self.entries.len();
         Ok(made)
     }
 
-    /// What was made from the content described, if it is there.
-    fn look<T: Keep>(&mut self, budget: &Budget<'_>) -> Option<Arc<T>> {
+    /// What is kept for the content described, if the budget is enough to make it.
+    fn find<T: Cached>(&mut self, budget: &Budget<'_>) -> Option<Arc<T>> {
+        let content = self.content.0.as_slice();
         // Most often it is the same as last.
-        let last = self.found(self.entries[END].older, budget);
-        last.or_else(|| {
-            let at = self.places.get(&self.content.hash()).copied()?;
-            self.found(at, budget)
-        })
-    }
-
-    /// What an entry keeps, if it is what is looked for and the budget is enough to make it.
-    fn found<T: Keep>(&mut self, at: usize, budget: &Budget<'_>) -> Option<Arc<T>> {
-        let entry = &mut self.entries[at];
-        if entry.memory.content != self.content.0 {
-            return None;
-        }
-        let made = Arc::downcast(entry.memory.made.clone()?).ok()?;
+        let last = self.entries.iter_mut().next_back();
+        let entry = match last.filter(|(last, _)| ***last == *content) {
+            Some((_, entry)) => entry,
+            None => self.entries.to_back(content)?,
+        };
+        let made = Arc::downcast(entry.made.clone()).ok()?;
         if entry.request != self.request && !budget.repeat(&entry.cost) {
             return None;
         }
         entry.request = self.request;
-        self.stats.hits += 1;
-        self.unlink(at);
-        self.link(at);
         Some(made)
     }
 
-    /// Forgets what is too much, now that a request has ended.
-    pub(super) fn end_request(&mut self) {
+    /// Forgets what is too much, now that a request has ended which left `elsewhere` bytes in
+    /// other memory under the same bound.
+    pub(crate) fn end_request(&mut self, elsewhere: usize) {
+        let most = self.most_bytes.saturating_sub(elsewhere);
         // What is larger than the bound by itself is no reason to forget anything else.
-        let mut at = self.entries[END].older;
-        while at != END && self.entries[at].request == self.request {
-            let older = self.entries[at].older;
-            if self.entries[at].bytes > self.most_bytes {
-                self.forget(at);
-            }
-            at = older;
-        }
-        while self.stats.bytes > self.most_bytes {
-            self.forget(self.entries[END].newer);
-        }
-        self.request += 1;
-    }
-
-    /// The memory of the entry that has to go for the next one, if there is one and it is not
-    /// much larger than the next one will be.
-    fn spare(&mut self) -> Memory {
-        let oldest = self.entries[END].newer;
-        if self.stats.entries < MOST_ENTRIES || self.entries[oldest].request == self.request {
-            return Memory::default();
-        }
-        let memory = self.forget(oldest);
-        let fits = memory.content.len() <= 2 * self.content.0.len();
-        if fits { memory } else { Memory::default() }
-    }
-
-    fn keep(&mut self, hash: u64, memory: Memory, bytes: usize, cost: Cost) {
-        let at = self.vacant.pop().unwrap_or(self.entries.len());
-        if at == self.entries.len() {
-            self.entries.push(Entry::default());
-        }
-        let bytes = bytes + memory.content.capacity() * size_of::<u64>() + size_of::<Entry>();
         let request = self.request;
-        self.entries[at] = Entry { hash, memory, bytes, request, cost, ..Entry::default() };
-        self.link(at);
-        self.places.insert(hash, at);
-        self.stats.entries += 1;
-        self.stats.bytes += bytes;
-    }
-
-    fn forget(&mut self, at: usize) -> Memory {
-        self.unlink(at);
-        self.vacant.push(at);
-        let entry = &mut self.entries[at];
-        self.places.remove(&entry.hash);
-        self.stats.entries -= 1;
-        self.stats.bytes -= entry.bytes;
-        mem::take(&mut entry.memory)
-    }
-
-    /// Puts an entry behind the newest.
-    fn link(&mut self, at: usize) {
-        let newest = self.entries[END].older;
-        (self.entries[at].older, self.entries[at].newer) = (newest, END);
-        self.entries[newest].newer = at;
-        self.entries[END].older = at;
-    }
-
-    fn unlink(&mut self, at: usize) {
-        let Entry { older, newer, .. } = self.entries[at];
-        self.entries[older].newer = newer;
-        self.entries[newer].older = older;
-    }
-}
-
-/// The hasher of what is a hash already.
-#[derive(Debug, Default)]
-struct AsItIs(u64);
-
-impl Hasher for AsItIs {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, _: &[u8]) {
-        unreachable!("only whole words are hashed");
-    }
-
-    fn write_u64(&mut self, hash: u64) {
-        self.0 = hash;
+        let used = self.entries.iter().rev().map(|(_, entry)| entry);
+        let mut used = used.take_while(|entry| entry.request == request);
+        if used.any(|entry| entry.bytes > most) {
+            self.entries.retain(|_, entry| entry.bytes <= most);
+            self.stats.bytes = self.entries.iter().map(|(_, entry)| entry.bytes).sum();
+        }
+        while self.stats.bytes > most || self.entries.len() > MOST_ENTRIES {
+            let Some((_, entry)) = self.entries.pop_front() else { break };
+            self.stats.bytes -= entry.bytes;
+        }
+        if self.most_entries > 2 * self.entries.len() {
+            self.entries.shrink_to_fit();
+            self.most_entries = self.entries.len();
+        }
+        self.stats.entries = self.entries.len();
+        self.request += 1;
     }
 }
 

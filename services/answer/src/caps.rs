@@ -4,6 +4,8 @@ use planning::budget::Limits;
 use schemas::message::Refusal;
 use serde::Deserialize;
 
+use crate::refuse;
+
 /// The most that one request may cost, in memory and in time. What would cost more is
 /// refused with both numbers.
 ///
@@ -79,10 +81,7 @@ impl Caps {
         if cells <= self.cells {
             return Ok(());
         }
-        let most = self.cells;
-        let message = format!("the request has {cells} cells of memory, at most {most} are read");
-        let refusal = Refusal::invalid("request", message);
-        Err(Refusal { needs: Some(cells as f64), has: Some(most as f64), ..refusal })
+        Err(refuse::cells(cells as u64, self.cells as u64))
     }
 
     /// What a request's budget begins with.

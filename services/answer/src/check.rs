@@ -1,5 +1,5 @@
-//! What can be said of a request before anything is planned, and the steps from
-//! message types to planning's types, which can't be wrong.
+//! What is checked before anything is planned, and the conversion from message types to
+//! planning's types, which can't be wrong.
 
 use std::mem;
 
@@ -7,22 +7,32 @@ use planning::budget::Budget;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
+use schemas::message::{self, Refusal, SceneRequest, Task};
 
-use super::refuse::{self, Axes};
+use crate::refuse::{self, Axes, Refused};
+
+/// The greatest magnitude of a coordinate, metres: its square, and a sum of such, is finite.
+const MOST_COORDINATE: f64 = 1e150;
 
 /// Fields that do not go together.
-pub(super) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
+pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
     let drive = scene.task == Task::Drive;
+    let limits = &scene.limits;
     let stray = [
         ("start", scene.start.is_some() && !drive),
         ("goal", scene.goal.is_some() && !drive),
         ("start_turn", scene.start_turn.is_some() && !drive),
+        ("limits.yaw_rate", limits.yaw_rate.is_some() && !drive),
+        ("limits.yaw_acceleration", limits.yaw_acceleration.is_some() && !drive),
+        ("limits.lateral_acceleration", limits.lateral_acceleration.is_some() && !drive),
         ("exit", !scene.exit.is_empty() && drive),
     ];
     if let Some((field, _)) = stray.into_iter().find(|(_, stray)| *stray) {
-        let goes = if drive { "assembly tasks" } else { "task \"drive\"" };
-        return Err(Refusal::invalid(field, format!("{field} goes with {goes} only")));
+        let message = match drive {
+            true => format!("{field} is not a field of task \"drive\", but of assembly tasks"),
+            false => format!("{field} is not a field of assembly tasks, but of task \"drive\""),
+        };
+        return Err(Refusal::invalid(field, message));
     }
     let free_space = &scene.free_space;
     if free_space.channels.is_none() {
@@ -31,93 +41,65 @@ pub(super) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
             return Err(Refusal::invalid("free_space", message));
         }
         if free_space.in_order {
-            let message = "free_space.in_order goes with channels, and there are none";
+            let message = "free_space.in_order is about channels, and there are none";
             return Err(Refusal::invalid("free_space.in_order", message));
-        }
-        if drive && free_space.bounds.is_none() {
-            let message = "free_space.bounds is missing: solids alone do not bound a floor";
-            return Err(Refusal::invalid("free_space.bounds", message));
         }
     }
     if let Some(deadline) = scene.deadline
         && !(deadline.is_finite() && deadline > 0.0)
     {
-        let message =
-            format!("deadline must be a number of seconds greater than 0, not {deadline}");
-        return Err(Refusal::invalid("deadline", message));
+        let message = format!("deadline is {deadline} s; it must be finite and greater than 0");
+        let refusal = Refusal::invalid("deadline", message);
+        return Err(Refusal { has: Some(deadline), least: Some(0.0), ..refusal });
     }
     Ok(())
 }
 
 /// A body that does not go with the task.
-pub(super) fn wrong_body(field: &str) -> Refusal {
-    Refusal::invalid(field, format!("{field}: the body of an assembly task is a polygon or a box"))
+pub(crate) fn wrong_body(field: &str) -> Refusal {
+    let message = format!("{field}: in an assembly task the body is a polygon or a box");
+    Refusal::invalid(field, message)
 }
 
 /// A polygon in space.
-pub(super) fn flat(field: String) -> Refusal {
-    let message = format!("{field}: polygons are for two dimensions; in three there are boxes");
+pub(crate) fn flat(field: String) -> Refusal {
+    let message = format!("{field}: polygons are for two dimensions; use boxes in three");
     Refusal::invalid(field, message)
 }
 
 /// Not one gap for each axis.
-pub(super) fn gaps_per_axis(field: String, has: usize, needs: usize) -> Refusal {
-    let message = format!("{field} has {has} numbers for {needs} axes");
+pub(crate) fn gaps_per_axis(field: String, has: usize, needs: usize) -> Refusal {
+    let message = format!("{field} has {has} numbers; give one, or {needs}, one per axis");
     let refusal = Refusal::invalid(field, message);
     Refusal { has: Some(has as f64), needs: Some(needs as f64), ..refusal }
 }
 
 /// A simple polygon, in the memory of `vertices`; [`Polygon::into_vertices`] gives it back.
-pub(super) fn polygon(
-    field: impl FnOnce() -> String,
+pub(crate) fn polygon(
+    field: impl Fn() -> String,
     points: &[message::Vector],
     vertices: &mut Vec<Vector<2>>,
     budget: &Budget<'_>,
-) -> Result<Polygon, Refusal> {
+) -> Result<Polygon, Refused> {
+    budget.step(points.len() as u64)?;
     let mut vertices = mem::take(vertices);
     vertices.clear();
     vertices.extend(points.iter().map(vector::<2>));
+    for (index, vertex) in vertices.iter().enumerate() {
+        in_range(|| format!("{}[{index}]", field()), vertex.as_slice())?;
+    }
     Polygon::new(vertices, budget).map_err(|error| match error {
-        PolygonError::Spent(error) => refuse::spent(error),
+        PolygonError::Spent(spent) => spent.into(),
         error => {
             let field = field();
             let message = format!("{field}: {error}");
-            Refusal::invalid(field, message)
+            Refusal::invalid(field, message).into()
         }
     })
 }
 
-/// Adds the scene's solids to `into`: boxes, checked, and polygons, which are not checked yet
-/// and whose field can be asked for.
-pub(super) fn push_solids<const D: usize, T>(
-    scene: &SceneRequest,
-    axes: &Axes,
-    into: &mut T,
-    push_box: impl Fn(&mut T, &AxisBox<D>) -> Result<(), Refusal>,
-    mut push_polygon: impl FnMut(&mut T, &dyn Fn() -> String, &[message::Vector]) -> Result<(), Refusal>,
-) -> Result<(), Refusal> {
-    for (index, solid) in scene.free_space.solids.iter().flatten().enumerate() {
-        match solid {
-            Solid::Box(sides) => {
-                let field = || format!("free_space.solids[{index}].box");
-                push_box(into, &axis_box(field, axes, sides)?)?;
-            }
-            Solid::Polygon(points) => {
-                let field = || format!("free_space.solids[{index}].polygon");
-                push_polygon(into, &field, points)?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Whether the walls are the request's solids, not the channels' complement.
-pub(super) fn has_solids(scene: &SceneRequest) -> bool {
-    scene.free_space.solids.as_ref().is_some_and(|solids| !solids.is_empty())
-}
-
 /// Refuses a cavity that none of its channels leads out of along the exit.
-pub(super) fn mouth<const D: usize>(
+pub(crate) fn mouth<const D: usize>(
     axes: &Axes,
     channels: &[AxisBox<D>],
     cavity: &AxisBox<D>,
@@ -133,34 +115,48 @@ pub(super) fn mouth<const D: usize>(
     Err(refuse::no_mouth(axes, exit, needs, has))
 }
 
-/// Refuses numbers that are none.
-pub(super) fn finite(field: &str, values: &[f64]) -> Result<(), Refusal> {
+/// Refuses numbers that are not finite.
+pub(crate) fn finite(field: &str, values: &[f64]) -> Result<(), Refusal> {
     match values.iter().find(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(value) => {
-            Err(Refusal::invalid(field, format!("{field}: {value} is not a finite number")))
-        }
+        Some(value) => Err(Refusal::invalid(field, format!("{field}: {value} is not finite"))),
     }
+}
+
+/// Refuses finite coordinates, or sizes, that are too large to be reckoned with.
+pub(crate) fn in_range(field: impl FnOnce() -> String, values: &[f64]) -> Result<(), Refusal> {
+    let (least, most) = (-MOST_COORDINATE, MOST_COORDINATE);
+    let is_too_large = |value: &&f64| value.is_finite() && value.abs() > most;
+    let Some(value) = values.iter().find(is_too_large) else { return Ok(()) };
+    let field = field();
+    let message = format!(
+        "{field}: {value:e} m is out of range; it must be between {least:e} m and {most:e} m"
+    );
+    let refusal = Refusal::invalid(field, message);
+    Err(Refusal { has: Some(*value), least: Some(least), most: Some(most), ..refusal })
 }
 
 /// A point of the scene's dimension. No coordinate is a negative zero, so that what is equal
 /// has equal bits: what is kept from one request to the next is compared.
-pub(super) fn vector<const D: usize>(point: &message::Vector) -> Vector<D> {
+pub(crate) fn vector<const D: usize>(point: &message::Vector) -> Vector<D> {
     Vector::from_iterator(point.padded().into_iter().take(D).map(|value| value + 0.0))
 }
 
 /// A box with an interior.
-pub(super) fn axis_box<const D: usize>(
+pub(crate) fn axis_box<const D: usize>(
     field: impl FnOnce() -> String,
     axes: &Axes,
     sides: &message::AxisBox,
 ) -> Result<AxisBox<D>, Refusal> {
-    AxisBox::new(vector(&sides.min), vector(&sides.max))
-        .map_err(|error| refuse::axis_box(field(), axes, error))
+    let (min, max) = (vector::<D>(&sides.min), vector::<D>(&sides.max));
+    match AxisBox::new(min, max) {
+        Err(error) => Err(refuse::axis_box(field(), axes, error)),
+        Ok(sides) => in_range(field, &[min.min(), max.max()]).map(|()| sides),
+    }
 }
 
 /// The direction as planning counts coordinates.
-pub(super) fn direction<const D: usize>(
+pub(crate) fn direction<const D: usize>(
     axes: &Axes,
     direction: message::Direction,
 ) -> Result<Direction, Refusal> {
@@ -175,12 +171,14 @@ pub(super) fn direction<const D: usize>(
     };
     match axes[..D].iter().position(|candidate| *candidate == axis) {
         Some(axis) => Ok(Direction { axis, sign }),
-        None => Err(Refusal::invalid("exit", "exit: scenes in two dimensions have axes x and z")),
+        None => {
+            Err(Refusal::invalid("exit", "exit: in two dimensions the axes are x and z, not y"))
+        }
     }
 }
 
 /// The limits, with the documented defaults where none are given.
-pub(super) fn limits(limits: &message::Limits) -> Result<Limits, Refusal> {
+pub(crate) fn limits(limits: &message::Limits) -> Result<Limits, Refusal> {
     let default = Limits::default();
     Limits::new(
         limits.speed.unwrap_or(default.speed()),
@@ -193,7 +191,7 @@ pub(super) fn limits(limits: &message::Limits) -> Result<Limits, Refusal> {
 }
 
 /// The sampling, every 0.02 s where none is given.
-pub(super) fn sampling(sampling: Option<message::Sampling>) -> Result<Sampling, Refusal> {
+pub(crate) fn sampling(sampling: Option<message::Sampling>) -> Result<Sampling, Refusal> {
     match sampling.unwrap_or(message::Sampling::Period(0.02)) {
         message::Sampling::Period(seconds) => Sampling::period(seconds),
         message::Sampling::Spacing(metres) => Sampling::spacing(metres),

@@ -1,214 +1,142 @@
 //! Driving: the rectangular mobile robot through corridors (paper, section 5).
 
 use std::mem;
+use std::sync::Arc;
 
-use planning::budget::Budget;
-use planning::clearance::rectangle::Footprint;
-use planning::driving::{
-    self, Corner, Drive, DrivingError, Gaps, Path, StartTurn, corners_of, limits,
-};
-use planning::free_space::walls::Walls;
-use planning::free_space::{Chain, End};
-use planning::geometry::{AxisBox, Vector};
-use planning::route::{self, Judgement, Motion, RouteError};
-use planning::trajectory::{Limits, Profile, Sampling, Stops};
+use planning::driving::limits;
+use planning::free_space::walls::{Complement, Walls};
+use planning::geometry::Vector;
+use planning::route::{self, Judgement, Motion, RouteError, Router};
+use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Body, ErrorCode, Gap, Refusal, RequestKey, SceneRequest};
+use schemas::message::{ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
-use super::cache::Cache;
-use super::free_space::FreeSpace;
-use super::parts::{self, Parts};
-use super::refuse::{self, FLOOR};
-use super::{Refused, Wish, Wishes, answer_each, check};
+use crate::answers::{Job, Pace, Resources, Stop, answer_each};
+use crate::free_space::{Buffers, Cut, FreeSpace, Source};
+use crate::parts::{self, Parts};
+use crate::refuse::{self, FLOOR, Refused};
+use crate::stop::StopFlag;
+use crate::wish::{Wish, Wishes};
+
+mod course;
+mod errand;
+
+use course::{Course, KeptGap};
+use errand::Errand;
 
 /// Memory for driving tasks.
 #[derive(Debug, Default)]
-pub(super) struct Driving {
-    free_space: FreeSpace<2, route::Driving>,
+pub(crate) struct Driving {
+    buffers: Buffers<2>,
+    memory: Memory,
+}
+
+#[derive(Debug, Default)]
+struct Memory {
+    complement: Complement<2>,
+    router: Router<2, route::Driving>,
     course: Course,
-    /// Memory for a course that is tried.
+    /// For a course that is tried.
     spare: Course,
-    /// For which gap the course was found; `None`: for any.
-    found_for: Option<Option<f64>>,
     profile: Profile,
 }
 
-/// The way through the channels travelled, and what the robot does on it.
-#[derive(Debug, Default)]
-struct Course {
-    chain: Chain<2>,
-    corners: Vec<Corner>,
-    /// The gap at every corner of the answer at hand, metres.
-    gaps: Vec<f64>,
-    path: Path,
-    /// The safest gap, once it is sought, metres.
-    safest: Option<f64>,
+/// A driving task whose scene has been read and checked.
+struct DrivingJob<'a> {
+    errand: Errand,
+    pace: Pace,
+    source: Source<'a, 2>,
+    space: FreeSpace<'a, 2>,
+    walls: Arc<Walls<2>>,
+    /// For which gap the course was found; `None`: for none yet.
+    found_for: Option<AnyGap>,
+    memory: &'a mut Memory,
+    resources: Resources<'a>,
 }
 
-/// The gaps that an answer is to keep, metres.
-#[derive(Debug, Clone, Copy)]
-enum Keep<'a> {
-    /// This one at every corner.
-    Gap(f64),
-    /// These.
-    Gaps(&'a [Gap]),
-    /// This part of the safest.
-    Part(f64),
-}
-
-/// So small that it makes no guiding circle any larger, metres.
-const LEAST_GAP: f64 = f64::MIN_POSITIVE;
-
-/// What all answers to a request share.
-struct Terms<'a> {
-    budget: &'a Budget<'a>,
-    footprint: Footprint,
-    start: driving::Pose,
-    goal: driving::Goal,
-    start_turn: StartTurn,
-    limits: Limits,
-    sampling: Sampling,
-}
+/// The gap that a route is found for; `None` where the gap depends on the route.
+type AnyGap = Option<f64>;
 
 impl Driving {
-    /// Answers a request for a mobile robot. `Err`: the request as a whole is refused, and
-    /// nothing has been sent.
-    pub(super) fn answer<S: PartSink>(
+    /// Answers a request for a mobile robot.
+    pub(crate) fn answer<S: PartSink>(
         &mut self,
-        key: RequestKey,
         scene: &SceneRequest,
-        wishes: &Wishes,
-        cache: &mut Cache,
-        sink: &mut S,
-    ) -> Result<Result<(), S::Error>, Refusal> {
-        let budget = wishes.budget;
-        let terms = Terms::of(scene, budget)?;
-        let free_space = &mut self.free_space;
-        free_space.read(scene, &FLOOR, budget, cache)?;
-        let size = [terms.footprint.width(), terms.footprint.length()];
-        free_space.take_in_solids(scene, &FLOOR, &size, budget, cache)?;
-        if free_space.is_made() {
-            let bounds = *free_space.bounds().expect("checked: solids alone bound no floor");
-            free_space.make(bounds, Vector::repeat(terms.footprint.width()), budget, cache)?;
-        }
-        if !check::has_solids(scene) {
-            free_space.wall_in(None, budget, cache)?;
-        }
-        if !free_space.is_routed() {
-            self.course.lead(free_space.travelled(), &terms)?;
-        }
-        self.found_for = None;
-
-        answer_each(key, scene.id, wishes, sink, |index, last, parts| {
-            self.plan(&terms, wishes, index)?;
-            Ok(self.send(&terms, wishes.sampled(), last, parts))
-        })
-    }
-
-    /// Lets go of what belongs to the cache: the request has ended.
-    pub(super) fn release(&mut self) {
-        self.free_space.release();
-    }
-
-    /// Plans one answer; `course` and `profile` then hold it.
-    fn plan(&mut self, terms: &Terms<'_>, wishes: &Wishes, index: u32) -> Result<(), Refused> {
-        let field = || wishes.field(index);
-        let keep = Keep::of(wishes.get(index), field)?;
-        let gap = match keep {
-            Keep::Gap(gap) => Some(gap),
-            Keep::Gaps(_) | Keep::Part(_) => None,
+        wishes: &Wishes<'_>,
+        mut resources: Resources<'_>,
+        stop: &StopFlag,
+        parts: &mut Parts<'_, S>,
+    ) -> Result<(), Stop<S::Error>> {
+        let Self { buffers, memory } = self;
+        let errand = Errand::of(scene)?;
+        let pace = Pace::of(scene, wishes, Stops::AtTurns)?;
+        let size = [errand.footprint.width(), errand.footprint.length()];
+        let mut source = Source::read(scene, &FLOOR, &size, buffers, &mut resources)?;
+        let bounds = |cut: &Cut<'_, 2>| {
+            cut.bounds().ok_or_else(|| {
+                let message = "free_space.bounds is missing; solids alone do not bound a floor";
+                Refusal::invalid("free_space.bounds", message)
+            })
         };
-        if !self.free_space.is_routed() || self.found_for == Some(gap) {
-            let walls = self.free_space.walls();
-            self.course
-                .drive(terms, keep, walls)
-                .map_err(|error| refuse::driving(field(), error))?;
+        let room = Vector::repeat(errand.footprint.width());
+        let mut space = source.open(bounds, room, &mut resources)?;
+        let walls = space.walls(None, &mut memory.complement, &mut resources)?;
+        if let FreeSpace::InOrder(channels, _) = &space {
+            let route = 0..channels.len();
+            memory.course.lead(channels, route, &errand, resources.budget)?;
+        }
+        let (found_for, budget) = (None, resources.budget);
+        let mut job =
+            DrivingJob { errand, pace, source, space, walls, found_for, memory, resources };
+        answer_each(&mut job, wishes, (budget, stop), parts)
+    }
+
+    /// The memory that it holds, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { buffers, memory } = self;
+        let Memory { complement, router, course, spare, profile } = memory;
+        let courses = course.bytes() + spare.bytes();
+        buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
+    }
+}
+
+impl Job for DrivingJob<'_> {
+    fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
+        let kept = KeptGap::of(wish, self.resources.budget)?;
+        let gap = match kept {
+            KeptGap::Same(gap) => Some(gap),
+            KeptGap::Each(_) | KeptGap::Part(_) => None,
+        };
+        if self.space.graph().is_none() || self.found_for == Some(gap) {
+            let Self { errand, memory, walls, resources, .. } = self;
+            memory
+                .course
+                .drive(errand, kept, walls, resources.budget)
+                .map_err(|error| refuse::driving(wish.field(), error))?;
         } else {
-            if let Keep::Gaps(_) = keep {
-                let field = field();
-                let message = format!("{field}: no gap per corner before the route is known");
-                return Err(Refusal::invalid(field, message).into());
+            if let KeptGap::Each(gaps) = kept {
+                let error = RouteError::GapPerJunction { has: gaps.len() };
+                return Err(refuse::route(&FLOOR, wish.field(), error));
             }
             self.found_for = None;
-            self.find_course(terms, keep, gap, field)?;
+            self.find(wish, kept, gap)?;
             self.found_for = Some(gap);
         }
-        self.profile
-            .plan(self.course.path.legs(), &terms.limits, Stops::AtTurns, terms.budget)
-            .map_err(refuse::spent)?;
-        wishes.check_samples(&self.profile, terms.sampling)
+        let Memory { course, profile, .. } = &mut *self.memory;
+        let cells = course.gaps.len() + course.route.len() + 4 * self.space.made().len();
+        self.pace.plan(course.path.legs(), profile, cells, &self.resources)
     }
 
-    /// Finds the channels to travel for a robot that is to keep this gap; none: any.
-    fn find_course(
-        &mut self,
-        terms: &Terms<'_>,
-        keep: Keep,
-        gap: Option<f64>,
-        field: impl Fn() -> String,
-    ) -> Result<(), Refused> {
-        if let Some(gap) = gap.filter(|gap| gap.is_nan() || *gap == f64::NEG_INFINITY) {
-            let error = RouteError::GapNotPositive { axis: 0, gap, least: 0.0 };
-            return Err(refuse::route(&FLOOR, field(), error));
-        }
-        let footprint = &terms.footprint;
-        // What the robot needs to turn (docs/method.md 6.4: R(g) < W).
-        let needs = limits::outer_radius(footprint, gap.unwrap_or(0.0));
-        let sides = (footprint.width(), gap.unwrap_or(0.0));
-        let (start, goal) = (terms.start.position, terms.goal.position);
-        let mut robot = route::Driving::new(start, goal, Vector::repeat(needs), sides);
-        let Self { free_space, spare, .. } = self;
-        let mut first = None;
-        let found = free_space.find(&mut robot, terms.budget, |channels, walls, _| {
-            let refused = match spare.lead(channels, terms) {
-                Ok(()) => match spare.judge(terms, keep, walls) {
-                    Ok(length) => {
-                        return Ok(Judgement::Accepted { length, value: mem::take(spare) });
-                    }
-                    Err(error) => (
-                        Judgement::of_refusal(&error, spare.path.legs())?,
-                        refuse::driving(field(), error),
-                    ),
-                },
-                Err(refusal) => (Judgement::Hopeless, refusal.into()),
-            };
-            first.get_or_insert(refused.1);
-            Ok(refused.0)
-        });
-        let course = found.map_err(|error| match (error, first) {
-            (RouteError::Blocked, Some(refused)) => refused,
-            (error, _) => {
-                let refused = free_space.refuse_route(
-                    &FLOOR,
-                    field(),
-                    error,
-                    robot.traveller(),
-                    terms.budget,
-                );
-                with_less_gap(refused, footprint, gap, field)
-            }
-        })?;
-        self.spare = mem::replace(&mut self.course, course);
-        Ok(())
-    }
-
-    fn send<S: PartSink>(
-        &self,
-        terms: &Terms<'_>,
-        sampled: bool,
-        last: bool,
-        parts: &mut Parts<S>,
-    ) -> Result<(), S::Error> {
-        let Self { course: Course { path, gaps, .. }, profile, free_space, .. } = self;
-        let samples = sampled.then(|| profile.samples(path.legs(), terms.sampling));
+    fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
+        let Memory { course: Course { path, gaps, route, .. }, profile, .. } = &*self.memory;
         let legs = path.legs().iter().zip(path.leg_clearances());
         let lists = TrajectoryWriter {
             gaps: gaps.iter().copied(),
-            route: free_space.route(),
-            channels: free_space.named(),
+            route: route.iter().map(|channel| *channel as u64),
+            channels: parts::boxes(self.space.made()),
             legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
-            samples: parts::States(samples),
+            samples: self.pace.states(path.legs(), profile),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = 2;
@@ -221,177 +149,75 @@ impl Driving {
     }
 }
 
-impl<'a> Keep<'a> {
-    fn of(wish: Wish<'a>, field: impl Fn() -> String) -> Result<Self, Refusal> {
-        Ok(match wish {
-            Wish::Gap(gap) => Self::Gap(one_number(gap).ok_or_else(|| wrong_gap(field()))?),
-            Wish::Gaps(gaps) => {
-                for (corner, gap) in gaps.iter().enumerate() {
-                    one_number(*gap).ok_or_else(|| wrong_gap(format!("{}[{corner}]", field())))?;
-                }
-                Self::Gaps(gaps)
-            }
-            Wish::Safest => Self::Part(1.0),
-            Wish::Fraction(fraction) => Self::Part(fraction),
-        })
-    }
-}
-
-impl Course {
-    /// Makes the chain of the channels travelled, and its corners.
-    fn lead(&mut self, channels: &[AxisBox<2>], terms: &Terms<'_>) -> Result<(), Refusal> {
-        let Self { chain, corners, safest, .. } = self;
-        *safest = None;
-        chain
-            .build(channels, &terms.start.position, End::Goal(terms.goal.position), terms.budget)
-            .map_err(|error| refuse::chain(&FLOOR, error))?;
-        corners_of(chain, corners);
-        Ok(())
-    }
-
-    /// Drives along it, and returns the length that its route is chosen by, metres: that of
-    /// the drive, or with the least gap where the gap depends on the route.
-    fn judge(
-        &mut self,
-        terms: &Terms<'_>,
-        keep: Keep,
-        walls: &Walls<2>,
-    ) -> Result<f64, DrivingError> {
-        let Keep::Part(_) = keep else {
-            self.drive(terms, keep, walls)?;
-            return Ok(self.path.length());
-        };
-        let Self { chain, corners, path, .. } = self;
-        let task = task(terms, chain, corners, walls);
-        driving::route(&task, Gaps::Uniform(LEAST_GAP), path, terms.budget)?;
-        let length = path.length();
-        self.drive(terms, keep, walls)?;
-        Ok(length)
-    }
-
-    /// Drives along it.
-    fn drive(
-        &mut self,
-        terms: &Terms<'_>,
-        keep: Keep,
-        walls: &Walls<2>,
-    ) -> Result<(), DrivingError> {
-        let Self { chain, corners, gaps, path, safest } = self;
-        let task = task(terms, chain, corners, walls);
-        gaps.clear();
-        match keep {
-            Keep::Gap(gap) => gaps.resize(corners.len(), gap),
-            Keep::Gaps(given) => gaps.extend(given.iter().copied().filter_map(one_number)),
-            Keep::Part(part) => {
-                let safest = match *safest {
-                    Some(safest) => safest,
-                    None => *safest.insert(driving::safest(&task, path, terms.budget)?),
-                };
-                gaps.resize(corners.len(), safest * part);
-            }
+impl DrivingJob<'_> {
+    /// Finds the channels to travel for a robot that is to keep this gap; `None`: any.
+    fn find(&mut self, wish: &Wish<'_>, kept: KeptGap<'_>, gap: AnyGap) -> Result<(), Refused> {
+        if let Some(gap) = gap.filter(|gap| gap.is_nan() || *gap == f64::NEG_INFINITY) {
+            let error = RouteError::GapNotPositive { axis: 0, gap, least: 0.0 };
+            return Err(refuse::route(&FLOOR, wish.field(), error));
         }
-        driving::drive(&task, Gaps::PerCorner(gaps), path, terms.budget)
-    }
-}
-
-/// What is asked of a robot that is to travel these channels.
-fn task<'a>(
-    terms: &Terms<'_>,
-    chain: &Chain<2>,
-    corners: &'a [Corner],
-    walls: &'a Walls<2>,
-) -> Drive<'a> {
-    let channels = chain.channels();
-    Drive {
-        footprint: terms.footprint,
-        start: terms.start,
-        goal: terms.goal,
-        start_turn: terms.start_turn,
-        first: channels[0],
-        last: channels[channels.len() - 1],
-        corners,
-        walls,
-    }
-}
-
-impl<'a> Terms<'a> {
-    fn of(scene: &SceneRequest, budget: &'a Budget<'a>) -> Result<Self, Refusal> {
-        let Body::Footprint(footprint) = &scene.body else {
-            return Err(Refusal::invalid("body", "body: a mobile robot's body is a footprint"));
-        };
-        let footprint = Footprint::new(footprint.width, footprint.length).map_err(|error| {
-            let message = format!("body.footprint: {error}");
-            let least = error.width.min(error.length);
-            Refusal {
-                has: Some(least),
-                least: Some(0.0),
-                ..Refusal::invalid("body.footprint", message)
+        let Self { errand, source, space, walls, memory, resources, .. } = self;
+        let Memory { router, course, spare, .. } = &mut **memory;
+        let Some(graph) = space.graph() else { return Ok(()) };
+        let mut robot = errand.robot(gap.unwrap_or(0.0));
+        let budget = resources.budget;
+        let mut first = None;
+        let found = router.find_judged(graph, Some(walls), &mut robot, budget, |route, _| {
+            let led = spare.lead(graph.channels(), route.iter().copied(), errand, budget);
+            let (judgement, refused) = match led {
+                Ok(()) => match spare.judge(errand, kept, walls, budget) {
+                    Ok(length) => {
+                        return Ok(Judgement::Accepted { length, value: mem::take(spare) });
+                    }
+                    Err(error) => (
+                        Judgement::of_refusal(&error, spare.path.legs())?,
+                        refuse::driving(wish.field(), error),
+                    ),
+                },
+                Err(Refused::Spent(spent)) => return Err(spent),
+                Err(refused) => (Judgement::Hopeless, refused),
+            };
+            first.get_or_insert(refused);
+            Ok(judgement)
+        });
+        let found = found.map_err(|error| match (error, first) {
+            (RouteError::Blocked, Some(refused)) => refused,
+            (error, _) => {
+                let error = (wish.field(), error);
+                let refused = match (source, &*space) {
+                    (Source::Solids(cut), FreeSpace::Made(made)) => {
+                        cut.refuse_route(made, &FLOOR, error, robot.traveller(), resources)
+                    }
+                    _ => refuse::route(&FLOOR, error.0, error.1),
+                };
+                with_less_gap(refused, errand, gap, wish)
             }
         })?;
-        let Some(start) = scene.start else {
-            return Err(Refusal::invalid("start", "start is missing: a drive needs a start pose"));
-        };
-        let Some(goal) = scene.goal else {
-            return Err(Refusal::invalid("goal", "goal is missing: a drive needs a goal"));
-        };
-        check::finite("start.position", start.position.as_slice())?;
-        check::finite("start.heading", &[start.heading])?;
-        check::finite("goal.position", goal.position.as_slice())?;
-        check::finite("goal.heading", goal.heading.as_slice())?;
-        Ok(Self {
-            budget,
-            footprint,
-            start: driving::Pose {
-                position: check::vector(&start.position),
-                heading: start.heading,
-            },
-            goal: driving::Goal { position: check::vector(&goal.position), heading: goal.heading },
-            start_turn: match scene.start_turn {
-                None | Some(message::StartTurn::InPlace) => StartTurn::InPlace,
-                Some(message::StartTurn::WhileMoving) => StartTurn::WhileMoving,
-            },
-            limits: check::limits(&scene.limits)?,
-            sampling: check::sampling(scene.sampling)?,
-        })
+        *spare = mem::replace(course, found);
+        Ok(())
     }
 }
 
 /// Where it is too narrow for a robot that keeps this gap, but not for the robot, the gap is
 /// at fault.
-fn with_less_gap(
-    refused: Refused,
-    footprint: &Footprint,
-    gap: Option<f64>,
-    field: impl Fn() -> String,
-) -> Refused {
-    let Refusal { code: ErrorCode::NoRoute, junction: Some(_), has: Some(width), .. } =
-        refused.refusal
-    else {
-        return refused;
-    };
+fn with_less_gap(refused: Refused, errand: &Errand, gap: AnyGap, wish: &Wish<'_>) -> Refused {
     let Some(gap) = gap.filter(|gap| *gap > 0.0) else { return refused };
-    let most = limits::greatest_gap(footprint, width);
-    let refusal = if width > limits::least_width(footprint) && most > 0.0 {
-        refuse::less_gap(field(), refused.refusal, gap, most)
-    } else {
-        refused.refusal
+    let too_narrow = match refused {
+        Refused::Request(refusal) if is_narrow(&refusal) => refusal,
+        other => return other,
     };
+    let footprint = &errand.footprint;
+    let width = too_narrow.has.unwrap_or(0.0);
+    let most = limits::greatest_gap(footprint, width);
     // Another gap may lead another way.
-    Refused { refusal, whole: false }
+    Refused::Answer(if width > limits::least_width(footprint) && most > 0.0 {
+        refuse::less_gap(wish.field(), too_narrow, gap, most)
+    } else {
+        too_narrow
+    })
 }
 
-/// A robot keeps one gap from a corner, in all directions.
-fn one_number(gap: Gap) -> Option<f64> {
-    match gap {
-        Gap::Uniform(gap) => Some(gap),
-        Gap::PerAxis(gaps) => match gaps.as_slice() {
-            [gap] => Some(*gap),
-            _ => None,
-        },
-    }
-}
-
-fn wrong_gap(field: String) -> Refusal {
-    let message = format!("{field}: a robot keeps one gap (one number) from each corner");
-    Refusal::invalid(field, message)
+/// Whether a route would lead through a junction that is too narrow.
+fn is_narrow(refusal: &Refusal) -> bool {
+    refusal.code == ErrorCode::NoRoute && refusal.junction.is_some() && refusal.has.is_some()
 }

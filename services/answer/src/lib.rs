@@ -3,7 +3,36 @@
 //! [`Workspace::answer`] is all that happens to a request. What it keeps between requests changes
 //! no reply, and it reads no clock and no files, so a recorded request answered anew under the same
 //! [`Caps`] gives the same bytes: [`reply_to`].
+//!
+//! Every request has one budget, which all its answers draw from; a [`StopFlag`] ends a request
+//! from outside.
+//!
+//! This crate knows planning and the messages. It does not know the bus, recordings, the
+//! configuration file, the command line, logging, clocks or threads: whoever calls it brings the
+//! caps, the memory of the request, somewhere to write the reply to, and a reason to stop.
+//!
+//! ```
+//! use answer::{Caps, reply_to};
+//! use schemas::json;
+//! use schemas::message::{Request, RequestContent, RequestKey};
+//!
+//! let scene = json::read_scene(
+//!     r#"{ "task": "drive",
+//!          "free_space": { "channels": [{ "min": [0, 0], "max": [10, 3] }], "in_order": true },
+//!          "body": { "footprint": { "width": 1.0, "length": 1.5 } },
+//!          "start": { "position": [2, 1.5], "heading": 0 },
+//!          "goal": { "position": [8, 1.5] },
+//!          "clearance": { "gap": 0.2 } }"#,
+//! )
+//! .unwrap();
+//! let content = RequestContent::Scene(scene);
+//! let request = Request { key: RequestKey::default(), sent_ns: 0, content };
+//! let reply = reply_to(&request, &Caps::default());
+//! let trajectory = reply.answers.unwrap().remove(0).unwrap();
+//! assert_eq!(trajectory.length, 6.0);
+//! ```
 
+mod answers;
 mod assembly;
 mod cache;
 mod caps;
@@ -12,23 +41,25 @@ mod driving;
 mod free_space;
 mod parts;
 mod refuse;
+mod scene;
+mod stop;
+mod wish;
 
 use planning::budget::Budget;
-use planning::trajectory::{Profile, Sampling};
 use schemas::convert::{self, PartSink};
-use schemas::message::{
-    Choice, ClearanceWish, Gap, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest,
-    Task,
-};
+use schemas::message::{Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest, Task};
 use schemas::wire;
 
+use answers::{Resources, Stop};
 use assembly::Assembly;
 use cache::Cache;
 use driving::Driving;
 use parts::{Collect, Parts};
+use wish::Wishes;
 
 pub use cache::CacheStats;
 pub use caps::Caps;
+pub use stop::{StopFlag, StopReason};
 
 /// The default of what a workspace keeps, bytes.
 pub const CACHE_BYTES: usize = 256 << 20;
@@ -39,12 +70,13 @@ pub const CACHE_BYTES: usize = 256 << 20;
 pub struct Workspace {
     caps: Caps,
     scene: SceneRequest,
-    answering: Answering,
+    cache: Cache,
+    buffers: Buffers,
 }
 
-#[derive(Debug)]
-struct Answering {
-    cache: Cache,
+/// Memory for the answers to one request.
+#[derive(Debug, Default)]
+struct Buffers {
     plane: Assembly<2>,
     space: Assembly<3>,
     floor: Driving,
@@ -57,52 +89,77 @@ impl Default for Workspace {
     }
 }
 
-/// One answer that is wished for, whichever way the request says it.
-#[derive(Debug, Clone, Copy)]
-enum Wish<'a> {
-    Gap(Gap),
-    Gaps(&'a [Gap]),
-    Safest,
-    /// A point of the trade-off curve: this part of the greatest gap, no samples.
-    Fraction(f64),
-}
-
 impl Workspace {
-    /// An empty one, for requests that cost no more than `caps`. It keeps what it made from
-    /// free spaces in at most `cache` bytes.
+    /// An empty one, for requests that cost no more than `caps`. From one request to the next it
+    /// keeps at most `cache` bytes, of what it made from free spaces and of memory to use again.
     pub fn new(caps: Caps, cache: usize) -> Self {
-        let answering = Answering {
+        Self {
+            caps,
+            scene: SceneRequest::empty(),
             cache: Cache::new(cache),
-            plane: Assembly::default(),
-            space: Assembly::default(),
-            floor: Driving::default(),
-        };
-        Self { caps, scene: SceneRequest::empty(), answering }
+            buffers: Buffers::default(),
+        }
     }
 
     /// What was there already for the requests so far, and what is kept for the next.
     pub fn cache_stats(&self) -> CacheStats {
-        self.answering.cache.stats()
+        self.cache.stats()
     }
 
-    /// Answers a request as it lies in memory. Whatever is there, there is a reply.
+    /// The memory that it keeps for the next request, bytes.
+    pub fn bytes(&self) -> usize {
+        self.cache.stats().bytes + self.buffer_bytes()
+    }
+
+    /// Answers a request as it lies in memory, until `stop` is set. Whatever lies there, there is
+    /// a reply, unless the sink fails.
+    ///
+    /// A request that costs more than the caps allow is refused as `too_costly`, a stopped one as
+    /// `deadline_exceeded` or `overloaded`; answers that were found before stand.
+    ///
+    /// ```
+    /// use answer::{StopFlag, Workspace};
+    /// use schemas::convert::{CellWriter, PartSink};
+    /// use schemas::wire::{ReplyHeader, RequestHeader};
+    ///
+    /// /// Counts the parts of a reply.
+    /// struct Count(usize);
+    ///
+    /// impl PartSink for Count {
+    ///     type Error = std::convert::Infallible;
+    ///
+    ///     fn part(
+    ///         &mut self,
+    ///         _: &ReplyHeader,
+    ///         cells: usize,
+    ///         fill: impl FnOnce(&mut CellWriter),
+    ///     ) -> Result<(), Self::Error> {
+    ///         fill(&mut CellWriter::new(&mut vec![0; cells]));
+    ///         self.0 += 1;
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// // A request with nothing in it is refused, in one part.
+    /// let mut count = Count(0);
+    /// let header = RequestHeader::default();
+    /// Workspace::default().answer(&header, &[], &StopFlag::new(), &mut count).unwrap();
+    /// assert_eq!(count.0, 1);
+    /// ```
     pub fn answer<S: PartSink>(
         &mut self,
         header: &wire::RequestHeader,
         cells: &[u64],
+        stop: &StopFlag,
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        let key = RequestKey { client: header.client, sequence: header.sequence };
-        let Self { caps, scene, answering } = self;
-        let readable = (caps.check_cells(cells.len()))
-            .and_then(|()| convert::check_version(header))
-            .and_then(|()| {
-                convert::read_scene(header, cells, scene)
-                    .map_err(|malformed| convert::unreadable(&malformed))
-            });
-        match readable {
-            Ok(()) => answering.scene(key, scene, caps, sink),
-            Err(refusal) => Self::refuse(header, &refusal, sink),
+        let budget = Budget::with_stop(self.caps.limits(), stop.flag());
+        let answered = self.try_answer(header, cells, &budget, stop, sink);
+        self.end_request();
+        match answered {
+            Ok(()) => Ok(()),
+            Err(Stop::Sink(error)) => Err(error),
+            Err(Stop::Refused(refused)) => Self::refuse(header, &refused.into_refusal(stop), sink),
         }
     }
 
@@ -112,170 +169,70 @@ impl Workspace {
         refusal: &Refusal,
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        let key = RequestKey { client: header.client, sequence: header.sequence };
         let id = (header.given & wire::given::ID != 0).then_some(header.id);
-        Parts::new(key, id, 0, sink).refuse(refusal, true)
-    }
-}
-
-impl Answering {
-    fn scene<S: PartSink>(
-        &mut self,
-        key: RequestKey,
-        scene: &SceneRequest,
-        caps: &Caps,
-        sink: &mut S,
-    ) -> Result<(), S::Error> {
-        let sent = match self.try_scene(key, scene, caps, sink) {
-            Ok(sent) => sent,
-            Err(refusal) => Parts::new(key, scene.id, 0, sink).refuse(&refusal, true),
-        };
-        self.plane.release();
-        self.space.release();
-        self.floor.release();
-        self.cache.end_request();
-        sent
+        Parts::new(key(header), id, 0, sink).refuse(refusal, true)
     }
 
-    /// `Err`: the request as a whole is refused, and nothing has been sent.
-    fn try_scene<S: PartSink>(
+    fn try_answer<S: PartSink>(
         &mut self,
-        key: RequestKey,
-        scene: &SceneRequest,
-        caps: &Caps,
+        header: &wire::RequestHeader,
+        cells: &[u64],
+        budget: &Budget<'_>,
+        stop: &StopFlag,
         sink: &mut S,
-    ) -> Result<Result<(), S::Error>, Refusal> {
+    ) -> Result<(), Stop<S::Error>> {
+        let Self { caps, scene, cache, buffers } = self;
+        caps.check_cells(cells.len())?;
+        convert::check_version(header)?;
+        scene::read(header, cells, scene, budget)?;
         let dimension = convert::dimension(scene)?;
         check::fields(scene)?;
-        let budget = Budget::new(caps.limits());
-        let wishes = Wishes::of(&scene.clearance, caps, &budget)?;
+        let wishes = Wishes::of(&scene.clearance, caps)?;
+        let parts = &mut Parts::new(key(header), scene.id, wishes.count(), sink);
+        let resources = Resources { caps, budget, cache };
         match (scene.task, dimension) {
-            (Task::Drive, 2) => self.floor.answer(key, scene, &wishes, &mut self.cache, sink),
+            (Task::Drive, 2) => buffers.floor.answer(scene, &wishes, resources, stop, parts),
             (Task::Drive, _) => {
-                Err(Refusal::invalid("task", "task: robots drive in two dimensions"))
+                let message = "task: \"drive\" is for two dimensions; this scene has three";
+                Err(Refusal::invalid("task", message).into())
             }
-            (_, 2) => self.plane.answer(key, scene, &wishes, &mut self.cache, sink),
-            (_, _) => self.space.answer(key, scene, &wishes, &mut self.cache, sink),
+            (_, 2) => buffers.plane.answer(scene, &wishes, resources, stop, parts),
+            (_, _) => buffers.space.answer(scene, &wishes, resources, stop, parts),
         }
+    }
+
+    /// Gives back what is more than may be kept.
+    fn end_request(&mut self) {
+        let most = self.cache.most_bytes() / BUFFERS_SHARE;
+        if self.buffers.bytes() > most {
+            self.buffers = Buffers::default();
+        }
+        if scene::bytes(&self.scene) > most {
+            self.scene = SceneRequest::empty();
+        }
+        if self.cache.content_bytes() > most {
+            self.cache.release_content();
+        }
+        self.cache.end_request(self.buffer_bytes());
+    }
+
+    /// Memory that is used again, whatever is in it.
+    fn buffer_bytes(&self) -> usize {
+        self.buffers.bytes() + scene::bytes(&self.scene) + self.cache.content_bytes()
     }
 }
 
-/// A refused answer.
-struct Refused {
-    refusal: Refusal,
-    /// Whether no gap would help, so that the request as a whole is refused.
-    whole: bool,
-}
+/// Each kind of memory that is used again takes no more than this part of what may be kept.
+const BUFFERS_SHARE: usize = 4;
 
-impl From<Refusal> for Refused {
-    fn from(refusal: Refusal) -> Self {
-        Self { refusal, whole: false }
+impl Buffers {
+    fn bytes(&self) -> usize {
+        self.plane.bytes() + self.space.bytes() + self.floor.bytes()
     }
 }
 
-/// Sends an answer to each wish: `answer` plans the one with this index and sends it, told
-/// whether it is the last. `Err`: the request as a whole is refused, and nothing has
-/// been sent.
-fn answer_each<'a, S: PartSink>(
-    key: RequestKey,
-    id: Option<u64>,
-    wishes: &Wishes,
-    sink: &'a mut S,
-    mut answer: impl FnMut(u32, bool, &mut Parts<'a, S>) -> Result<Result<(), S::Error>, Refused>,
-) -> Result<Result<(), S::Error>, Refusal> {
-    let mut parts = Parts::new(key, id, wishes.count, sink);
-    for index in 0..wishes.count {
-        let last = index + 1 == wishes.count;
-        let begun = wishes.budget.step(1).map_err(|spent| refuse::spent(spent).into());
-        let sent = match begun.and_then(|()| answer(index, last, &mut parts)) {
-            Ok(sent) => sent,
-            Err(refused) if !wishes.several() || (refused.whole && index == 0) => {
-                return Err(refused.refusal);
-            }
-            Err(refused) => parts.refuse(&refused.refusal, last),
-        };
-        if sent.is_err() {
-            return Ok(sent);
-        }
-    }
-    Ok(Ok(()))
-}
-
-/// The answers wished for, and what they may cost.
-struct Wishes<'a> {
-    clearance: &'a ClearanceWish,
-    count: u32,
-    caps: &'a Caps,
-    /// Of the request as a whole.
-    budget: &'a Budget<'a>,
-}
-
-impl<'a> Wishes<'a> {
-    fn of(
-        clearance: &'a ClearanceWish,
-        caps: &'a Caps,
-        budget: &'a Budget<'a>,
-    ) -> Result<Self, Refusal> {
-        let (field, count) = match clearance {
-            ClearanceWish::Each(choices) => ("clearance.each", choices.len() as u64),
-            ClearanceWish::Curve(points) => ("clearance.curve", *points),
-            _ => ("clearance", 1),
-        };
-        let most = caps.answers;
-        if (1..=most).contains(&count) {
-            return Ok(Self { clearance, count: count as u32, caps, budget });
-        }
-        let message = format!("{field} asks for {count} answers, from 1 to {most} can be had");
-        Err(Refusal::invalid(field, message))
-    }
-
-    /// Whether one refused answer is not the whole reply.
-    fn several(&self) -> bool {
-        matches!(self.clearance, ClearanceWish::Each(_) | ClearanceWish::Curve(_))
-    }
-
-    fn sampled(&self) -> bool {
-        !matches!(self.clearance, ClearanceWish::Curve(_))
-    }
-
-    /// Refuses a trajectory that would have too many samples, before any is made.
-    fn check_samples(&self, profile: &Profile, sampling: Sampling) -> Result<(), Refused> {
-        match profile.sample_count(sampling) {
-            samples if self.sampled() && samples > self.caps.samples => {
-                Err(refuse::too_many_samples(samples, self.caps.samples).into())
-            }
-            samples => {
-                // The reply is held by whoever receives it, if not here.
-                let bytes = samples as usize * size_of::<wire::Sample>();
-                let held = self.budget.hold(if self.sampled() { bytes } else { 0 });
-                held.map_err(|spent| refuse::spent(spent).into())
-            }
-        }
-    }
-
-    fn get(&self, index: u32) -> Wish<'a> {
-        match self.clearance {
-            ClearanceWish::Gap(gap) => Wish::Gap(*gap),
-            ClearanceWish::Gaps(gaps) => Wish::Gaps(gaps),
-            ClearanceWish::Safest => Wish::Safest,
-            ClearanceWish::Each(choices) => match &choices[index as usize] {
-                Choice::Gap(gap) => Wish::Gap(*gap),
-                Choice::Gaps(gaps) => Wish::Gaps(gaps),
-                Choice::Safest => Wish::Safest,
-            },
-            ClearanceWish::Curve(points) => Wish::Fraction(f64::from(index + 1) / *points as f64),
-        }
-    }
-
-    /// The field that says the answer's gap.
-    fn field(&self, index: u32) -> String {
-        match self.clearance {
-            ClearanceWish::Gap(_) => "clearance.gap".to_owned(),
-            ClearanceWish::Gaps(_) => "clearance.gaps".to_owned(),
-            ClearanceWish::Each(_) => format!("clearance.each[{index}]"),
-            ClearanceWish::Safest | ClearanceWish::Curve(_) => "clearance".to_owned(),
-        }
-    }
+fn key(header: &wire::RequestHeader) -> RequestKey {
+    RequestKey { client: header.client, sequence: header.sequence }
 }
 
 /// Answers a request in this process: the same answers, bit for bit, as a planner with
@@ -283,19 +240,20 @@ impl<'a> Wishes<'a> {
 pub fn reply_to(request: &Request, caps: &Caps) -> Reply {
     let mut workspace = Workspace::new(*caps, 0);
     let mut collect = Collect::default();
+    let stop = StopFlag::new();
     let Ok(()) = match &request.content {
         // By way of its memory, so that nothing is refused otherwise than over the bus.
         RequestContent::Scene(scene) => {
             let mut cells = Vec::new();
             match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {
-                Ok(header) => workspace.answer(&header, &cells, &mut collect),
+                Ok(header) => workspace.answer(&header, &cells, &stop, &mut collect),
                 Err(refusal) => {
                     Parts::new(request.key, scene.id, 0, &mut collect).refuse(&refusal, true)
                 }
             }
         }
         RequestContent::Unreadable { header, cells } => {
-            workspace.answer(&convert::header_of(header), cells, &mut collect)
+            workspace.answer(&convert::header_of(header), cells, &stop, &mut collect)
         }
     };
     collect.reply()

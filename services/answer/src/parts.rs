@@ -3,22 +3,22 @@
 use std::convert::Infallible;
 
 use planning::clearance::Clearance;
-use planning::geometry::Vector;
+use planning::geometry::{self, Vector};
 use planning::motion::{Curve, Leg, wrapped};
 use planning::trajectory::{Sampler, State};
 use schemas::convert::{self, CellWriter, PartSink, Samples, TrajectoryWriter};
-use schemas::message::{AxisBox, Refusal, Reply, ReplyAssembler, RequestKey};
+use schemas::message::{self, AxisBox, Refusal, Reply, ReplyAssembler, RequestKey};
 use schemas::wire::{self, ReplyHeader};
 
 /// A reply on its way: counts parts and answers.
-pub(super) struct Parts<'a, S> {
+pub(crate) struct Parts<'a, S> {
     header: ReplyHeader,
     sink: &'a mut S,
 }
 
 impl<'a, S: PartSink> Parts<'a, S> {
     /// A reply with this many answers; 0 where the request as a whole is refused.
-    pub(super) fn new(key: RequestKey, id: Option<u64>, answers: u32, sink: &'a mut S) -> Self {
+    pub(crate) fn new(key: RequestKey, id: Option<u64>, answers: u32, sink: &'a mut S) -> Self {
         let header = ReplyHeader {
             version: wire::VERSION,
             dimension: 2,
@@ -33,14 +33,14 @@ impl<'a, S: PartSink> Parts<'a, S> {
     }
 
     /// The next answer is a refusal.
-    pub(super) fn refuse(&mut self, refusal: &Refusal, last: bool) -> Result<(), S::Error> {
+    pub(crate) fn refuse(&mut self, refusal: &Refusal, last: bool) -> Result<(), S::Error> {
         convert::write_refusal(refusal, &mut self.header, last, self.sink)?;
         self.header.answer += 1;
         Ok(())
     }
 
     /// The next answer is a trajectory; `fill` sets the fields that all its parts share.
-    pub(super) fn trajectory(
+    pub(crate) fn trajectory(
         &mut self,
         fill: impl FnOnce(&mut ReplyHeader),
         lists: TrajectoryWriter<
@@ -60,7 +60,7 @@ impl<'a, S: PartSink> Parts<'a, S> {
 }
 
 /// A leg as it lies in memory.
-pub(super) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
+pub(crate) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
     let mut cells = wire::Leg {
         table: leg.rule.map_or(0, |rule| rule.table.into()),
         number: leg.rule.map_or(0, |rule| rule.number.into()),
@@ -92,7 +92,7 @@ pub(super) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
 
 /// The states of a motion, if any are wanted, written from within: several times faster
 /// than one by one.
-pub(super) struct States<'a, const D: usize>(pub(super) Option<Sampler<'a, D>>);
+pub(crate) struct States<'a, const D: usize>(pub(crate) Option<Sampler<'a, D>>);
 
 impl<const D: usize> Samples for States<'_, D> {
     fn left(&self) -> usize {
@@ -118,8 +118,16 @@ fn sample<const D: usize>(state: &State<D>) -> wire::Sample {
     }
 }
 
+/// Channels as the reply names them.
+pub(crate) fn boxes<const D: usize>(
+    boxes: &[geometry::AxisBox<D>],
+) -> impl ExactSizeIterator<Item = AxisBox> {
+    let corner = |corner: Vector<D>| message::Vector::new(corner.as_slice()).unwrap_or_default();
+    boxes.iter().map(move |sides| AxisBox { min: corner(sides.min()), max: corner(sides.max()) })
+}
+
 /// Sets the clearance of a trajectory; infinite where there are no walls.
-pub(super) fn clearance<const D: usize>(header: &mut ReplyHeader, near: Option<&Clearance<D>>) {
+pub(crate) fn clearance<const D: usize>(header: &mut ReplyHeader, near: Option<&Clearance<D>>) {
     (header.clearance, header.clearance_at, header.wall) = match near {
         Some(near) => (near.value, near.at, padded(&near.wall)),
         None => (f64::INFINITY, 0.0, [0.0; 3]),
@@ -134,7 +142,7 @@ fn padded<const D: usize>(vector: &Vector<D>) -> [f64; 3] {
 }
 
 /// Puts a reply together in this process.
-pub(super) struct Collect {
+pub(crate) struct Collect {
     assembler: ReplyAssembler,
     cells: Vec<u64>,
     reply: Option<Reply>,
@@ -167,7 +175,7 @@ impl PartSink for Collect {
 }
 
 impl Collect {
-    pub(super) fn reply(self) -> Reply {
+    pub(crate) fn reply(self) -> Reply {
         self.reply.expect("every request has an answer, and the last part says so")
     }
 }

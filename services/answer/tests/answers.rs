@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use answer::{CacheStats, Caps, Workspace};
+use answer::{CacheStats, Caps, StopFlag, Workspace};
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
 use schemas::message::{Direction, RequestKey, SceneRequest, Task, Vector};
@@ -33,7 +33,7 @@ fn answer(workspace: &mut Workspace, scene: &SceneRequest) -> Bytes {
     let mut cells = Vec::new();
     let header = write_scene(scene, RequestKey::default(), 0, &mut cells).unwrap();
     let mut bytes = Bytes::default();
-    let Ok(()) = workspace.answer(&header, &cells, &mut bytes);
+    let Ok(()) = workspace.answer(&header, &cells, &StopFlag::new(), &mut bytes);
     bytes
 }
 

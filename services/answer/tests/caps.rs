@@ -3,7 +3,8 @@
 use answer::{Caps, Workspace, reply_to};
 use schemas::json::read_scene;
 use schemas::message::{
-    ErrorCode, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest,
+    Choice, ClearanceWish, ErrorCode, Gap, Refusal, Reply, Request, RequestContent, RequestKey,
+    SceneRequest,
 };
 
 fn scene(text: &str) -> SceneRequest {
@@ -28,14 +29,18 @@ fn each() -> SceneRequest {
     scene(include_str!("../../../recordings/scenes/disassemble.json"))
 }
 
+fn drive() -> SceneRequest {
+    scene(include_str!("../../../recordings/scenes/drive-a.json"))
+}
+
 fn reply(scene: &SceneRequest, caps: &Caps) -> Reply {
     let content = RequestContent::Scene(scene.clone());
     reply_to(&Request { key: RequestKey::default(), sent_ns: 0, content }, caps)
 }
 
-/// The scene is refused under these caps, for this reason, and not under the default ones.
+/// The scene is refused under these caps for this cap, and not under the default ones.
 #[track_caller]
-fn check(scene: &SceneRequest, caps: Caps, field: Option<&str>, said: &str) {
+fn check(scene: &SceneRequest, caps: Caps, code: ErrorCode, field: Option<&str>, said: &str) {
     let refusals = |reply: Reply| -> Vec<Refusal> {
         match reply.answers {
             Err(refusal) => vec![refusal],
@@ -46,97 +51,116 @@ fn check(scene: &SceneRequest, caps: Caps, field: Option<&str>, said: &str) {
     let refused = refusals(reply(scene, &caps));
     assert!(!refused.is_empty(), "nothing is refused");
     for refusal in refused {
-        assert_eq!(refusal.field.as_deref(), field, "{refusal:?}");
+        assert_eq!((refusal.code, refusal.field.as_deref()), (code, field), "{refusal:?}");
         assert!(refusal.message.contains(said), "{refusal:?}");
     }
+}
+
+#[track_caller]
+fn check_too_costly(scene: &SceneRequest, caps: Caps, field: Option<&str>, said: &str) {
+    check(scene, caps, ErrorCode::TooCostly, field, said);
 }
 
 #[test]
 fn too_many_samples_are_refused() {
     let caps = Caps { samples: 10, ..Caps::default() };
-    check(&channels(), caps, None, "at most 10 can be had");
+    let said = "would have 669 samples; the limit is 10 (`caps.samples`)";
+    check(&channels(), caps, ErrorCode::TooManySamples, None, said);
     let refusal = reply(&channels(), &caps).answers.unwrap_err();
-    assert_eq!((refusal.code, refusal.has), (ErrorCode::TooManySamples, Some(10.0)));
+    assert_eq!((refusal.needs, refusal.has), (Some(669.0), Some(10.0)));
 }
 
 #[test]
 fn too_many_answers_are_refused() {
     let caps = Caps { answers: 2, ..Caps::default() };
-    check(&each(), caps, Some("clearance.each"), "asks for 3 answers, from 1 to 2 can be had");
+    let said = "asks for 3 answers; the number must be between 1 and 2 (`caps.answers`)";
+    check_too_costly(&each(), caps, Some("clearance.each"), said);
+    let none = SceneRequest { clearance: ClearanceWish::Curve(0), ..each() };
+    let refusal = reply(&none, &Caps::default()).answers.unwrap_err();
+    assert_eq!(refusal.code, ErrorCode::InvalidScene, "no cap is met");
+    assert_eq!(refusal.field.as_deref(), Some("clearance.curve"));
 }
 
 #[test]
 fn too_large_requests_are_refused() {
     let caps = Caps { cells: 20, ..Caps::default() };
-    check(&channels(), caps, Some("request"), "cells of memory, at most 20 are read");
-}
-
-/// The scene is too costly under these caps: this setting is met, whose value is `most`.
-#[track_caller]
-fn check_costly(scene: &SceneRequest, caps: Caps, field: Option<&str>, cap: &str, most: u64) {
-    let setting = format!("caps.{cap}");
-    check(scene, caps, field, &format!("more than {most} "));
-    check(scene, caps, field, &format!("(`{setting}`)"));
-    let answers = reply(scene, &caps).answers;
-    for refusal in answers
-        .map_or_else(|all| vec![all], |each| each.into_iter().filter_map(Result::err).collect())
-    {
-        assert_eq!((refusal.code, refusal.most), (ErrorCode::TooCostly, Some(most as f64)));
-        // Shared memory has no place for it yet; the message has it.
-        assert!(refusal.setting.is_none_or(|met| met == setting));
-    }
+    check_too_costly(&channels(), caps, Some("request"), "at most 20 are read (`caps.cells`)");
 }
 
 #[test]
 fn too_many_boxes_of_solids_are_refused() {
     let caps = Caps { pieces: 2, ..Caps::default() };
-    check_costly(&solids(), caps, Some("free_space.solids[0].polygon"), "pieces", 2);
+    let said = "the solids are cut into more than 2 boxes (`caps.pieces`)";
+    check_too_costly(&solids(), caps, Some("free_space.solids"), said);
 }
 
 #[test]
 fn too_many_channels_are_refused() {
-    let field = Some("free_space.solids");
-    check_costly(&solids(), Caps { channels: 1, ..Caps::default() }, field, "channels", 1);
+    let caps = Caps { channels: 1, ..Caps::default() };
+    let said = "the solids leave more than 1 channels (`caps.channels`)";
+    check_too_costly(&solids(), caps, Some("free_space.solids"), said);
     let caps = Caps { channel_steps: 1, ..Caps::default() };
-    check_costly(&solids(), caps, field, "channel_steps", 1);
+    let said = "takes more than 1 steps (`caps.channel_steps`)";
+    check_too_costly(&solids(), caps, Some("free_space.solids"), said);
 }
 
 #[test]
 fn too_many_junctions_are_refused() {
     let caps = Caps { junctions: 2, ..Caps::default() };
-    check_costly(&unordered(), caps, Some("free_space.channels"), "junctions", 2);
+    let said = "the channels have more than 2 junctions (`caps.junctions`)";
+    check_too_costly(&unordered(), caps, Some("free_space"), said);
 }
 
 #[test]
 fn too_long_a_search_is_refused() {
     let caps = Caps { route_steps: 1, ..Caps::default() };
-    check_costly(&unordered(), caps, Some("free_space"), "route_steps", 1);
+    let said = "finding a route takes more than 1 steps (`caps.route_steps`)";
+    check_too_costly(&unordered(), caps, Some("free_space"), said);
 }
 
 #[test]
-fn a_request_that_costs_too_much_altogether_is_refused() {
-    for scene in [channels(), unordered(), solids()] {
-        check_costly(&scene, Caps { steps: 5, ..Caps::default() }, None, "steps", 5);
-        check_costly(&scene, Caps { bytes: 100, ..Caps::default() }, None, "bytes", 100);
+fn too_many_steps_and_too_much_memory_are_refused() {
+    for scene in [channels(), unordered(), solids(), drive()] {
+        let caps = Caps { steps: 10, ..Caps::default() };
+        let said = "planning takes more than 10 steps (`caps.steps`)";
+        check_too_costly(&scene, caps, None, said);
+        assert!(reply(&scene, &caps).answers.is_err(), "there is nothing to show");
+        let caps = Caps { bytes: 100, ..Caps::default() };
+        let said = "planning needs more than 100 bytes of memory (`caps.bytes`)";
+        check_too_costly(&scene, caps, None, said);
     }
 }
 
+/// The least number of steps with which there is an answer to the scene.
+fn least_steps(scene: &SceneRequest) -> u64 {
+    let (mut too_few, mut enough) = (0, 1 << 28);
+    while enough - too_few > 1 {
+        let steps = (too_few + enough) / 2;
+        let caps = Caps { steps, ..Caps::default() };
+        *(if reply(scene, &caps).answers.is_ok() { &mut enough } else { &mut too_few }) = steps;
+    }
+    enough
+}
+
 #[test]
-fn answers_found_before_the_budget_ended_stay_answers() {
-    let each = each();
-    let count = |steps| {
-        let reply = reply(&each, &Caps { steps, ..Caps::default() });
-        // Too little even for what all answers share.
-        let Ok(answers) = reply.answers else { return 0 };
+fn answers_found_before_the_steps_end_stand() {
+    let gaps = [0.05, 0.1, 0.15, 0.2, 0.25].map(|gap| Choice::Gap(Gap::Uniform(gap)));
+    let scene = SceneRequest { clearance: ClearanceWish::Each(gaps.to_vec()), ..unordered() };
+    let whole = reply(&scene, &Caps::default()).answers.unwrap();
+    let first = least_steps(&scene);
+    let mut most_found = 0;
+    for steps in (first..).step_by(first as usize / 8 + 1).take(64) {
+        let answers = reply(&scene, &Caps { steps, ..Caps::default() }).answers.unwrap();
         let found = answers.iter().take_while(|answer| answer.is_ok()).count();
-        for answer in &answers[found..] {
-            assert_eq!(answer.as_ref().unwrap_err().code, ErrorCode::TooCostly);
+        assert_eq!(answers[..found], whole[..found]);
+        for refused in &answers[found..] {
+            assert_eq!(refused.as_ref().unwrap_err().code, ErrorCode::TooCostly);
         }
-        found
-    };
-    let found: Vec<_> = (1..600).map(count).collect();
-    assert!((0..=3).all(|count| found.contains(&count)), "{found:?}");
-    assert!(found.is_sorted(), "{found:?}");
+        assert!((1..=5).contains(&found) && answers.len() == 5);
+        assert!(found >= most_found, "more steps, more answers");
+        most_found = found;
+    }
+    assert_eq!(most_found, 5);
 }
 
 #[test]

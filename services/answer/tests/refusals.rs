@@ -70,8 +70,8 @@ const ROOM: [f64; 2] = [4.25, 1.25];
 fn narrow_door_is_named() {
     let scene = drive(&wall_with_door(0.5), [2., 5.], [6., 1.], r#""safest""#);
     let numbers = (Some(0), Some(1), Some(1.25), Some(0.5));
-    let message = "no route: the passage from (x 4, y 2) to (x 4.25, y 2.5) is 0.5 m wide along y, \
-                   more than 1.25 m are needed";
+    let message = "no route: the passage from (x 4, y 2) to (x 4.25, y 2.5) is 0.5 m wide along \
+                   y, but must be wider than 1.25 m";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
 
@@ -86,7 +86,7 @@ fn widest_of_several_doors_is_named() {
     let scene = drive(&walls.join(", "), [2., 2.], [6., 2.], r#""safest""#);
     let numbers = (Some(0), Some(1), Some(1.25), Some(0.75));
     let message = "no route: the passage from (x 4, y 3) to (x 4.25, y 3.75) is 0.75 m wide along \
-                   y, more than 1.25 m are needed";
+                   y, but must be wider than 1.25 m";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
 
@@ -96,8 +96,9 @@ fn two_doors_in_a_row_are_counted() {
     let second = solid([5.75, 0.], [6., 4.]) + ", " + &solid([5.75, 4.5], [6., 6.]);
     let scene = drive(&format!("{first}, {second}"), [2., 5.], [7., 1.], r#""safest""#);
     let numbers = (Some(2), Some(1), Some(1.25), Some(0.5));
-    let message = "no route: the passage from (x 5.75, y 4) to (x 6, y 4.5) is 0.5 m wide along y, \
-                   more than 1.25 m are needed; 1 other place on that way is too small as well";
+    let message = "no route: the passage from (x 5.75, y 4) to (x 6, y 4.5) is 0.5 m wide along \
+                   y, but must be wider than 1.25 m; 1 other place on that route is too small as \
+                   well";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
 
@@ -113,9 +114,9 @@ fn door_wide_enough_but_for_the_gap_is_a_matter_of_the_gap() {
     assert_eq!((refused.junction, refused.axis, refused.needs), (Some(0), Some(1), None));
     assert_eq!(
         refused.message,
-        "no route: the passage from (x 4, y 2) to (x 4.25, y 3.5) is 1.5 m wide along y, more than \
-         1.600781059 m are needed; with a gap of less than 0.368033989 m, not 0.5 m, it is wide \
-         enough"
+        "no route: the passage from (x 4, y 2) to (x 4.25, y 3.5) is 1.5 m wide along y, but must \
+         be wider than 1.600781059 m; it is wide enough for a gap of less than 0.368033989 m \
+         instead of 0.5 m"
     );
 }
 
@@ -124,8 +125,8 @@ fn wall_is_named_with_its_thickness() {
     let wall = solid([1., 5.], [2., 6.]) + ", " + &solid([4., 0.], [4.25, 6.]);
     let scene = drive(&wall, [2., 3.], [6., 3.], WIDE);
     let numbers = (Some(0), Some(0), Some(0.0), Some(-0.25));
-    let message = "no route: a wall of solid 1 separates start and end, 0.25 m thick along x from \
-                   (x 4, y 0) to (x 4.25, y 5); an opening through it there must be wider than \
+    let message = "no route: from (x 4, y 0) to (x 4.25, y 5) a wall of solid 1, 0.25 m thick \
+                   along x, separates start and end; an opening through it must be wider than \
                    1.328768227 m along y";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
@@ -134,17 +135,17 @@ fn wall_is_named_with_its_thickness() {
 fn start_and_goal_without_room_are_told() {
     let door = wall_with_door(0.5);
     let numbers = (None, Some(1), Some(0.75), Some(0.5));
-    let message = "no room at the start: the passage from (x 0, y 2) to (x 8, y 2.5) is 0.5 m wide \
-                   along y, more than 0.75 m are needed";
+    let message = "no room at the start: the passage from (x 0, y 2) to (x 8, y 2.5) is 0.5 m \
+                   wide along y, but must be wider than 0.75 m";
     let scene = drive(&door, [4.125, 2.25], [6., 1.], WIDE);
     check(&scene, ErrorCode::BodyOutsideFreeSpace, numbers, message);
     let message = "no room at the goal: the passage from (x 0, y 2) to (x 8, y 2.5) is 0.5 m wide \
-                   along y, more than 0.75 m are needed";
+                   along y, but must be wider than 0.75 m";
     let scene = drive(&door, [6., 1.], [4.125, 2.25], WIDE);
     check(&scene, ErrorCode::GoalOutsideFreeSpace, numbers, message);
     // Where there is no channel at all it is the same.
-    let message = "no room at the start: the passage from (x 0, y 0) to (x 8, y 0.5) is 0.5 m wide \
-                   along y, more than 0.75 m are needed";
+    let message = "no room at the start: the passage from (x 0, y 0) to (x 8, y 0.5) is 0.5 m \
+                   wide along y, but must be wider than 0.75 m";
     let scene = drive(&solid([0., 0.5], [8., 6.]), [4., 0.25], [6., 0.25], WIDE);
     check(&scene, ErrorCode::BodyOutsideFreeSpace, numbers, message);
 }
@@ -161,7 +162,7 @@ fn start_and_goal_in_a_solid_or_out_of_bounds_are_told() {
     let field = "free_space.solids[1]";
     check_in_solid(&scene, ErrorCode::GoalOutsideFreeSpace, field, 0.125, message);
     let scene = drive(&door, [6., 1.], [6., 6.5], WIDE);
-    let message = "the goal lies outside the bounds: they end at 6 along y, and it is at 6.5";
+    let message = "the goal lies outside the bounds: they end at y = 6 m, but it is at y = 6.5 m";
     let numbers = (None, Some(1), Some(6.5), Some(6.0));
     check(&scene, ErrorCode::GoalOutsideFreeSpace, numbers, message);
 }
@@ -179,8 +180,8 @@ fn body_in_a_solid_is_told() {
 fn body_that_just_fills_its_place_is_told() {
     let scene = disassemble(5., "", UP, [4., 1.], [7., 4.]);
     let numbers = (Some(0), Some(0), Some(3.0), Some(3.0));
-    let message = "no route: the passage from (x 4, z 1) to (x 7, z 6) is 3 m wide along x, more \
-                   than 3 m are needed";
+    let message = "no route: the passage from (x 4, z 1) to (x 7, z 6) is 3 m wide along x, but \
+                   must be wider than 3 m";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
 
@@ -194,8 +195,8 @@ fn body_without_room_anywhere_is_told() {
         "body": {{"box": {{"min": [4, 2.5], "max": [5, 4]}}}}, "clearance": "safest"}}"#,
         solids.join(", ")
     );
-    let message = "no route: the passage from (x 4, z 0) to (x 5, z 4) is 1 m wide along x, more \
-                   than 1 m are needed";
+    let message = "no route: the passage from (x 4, z 0) to (x 5, z 4) is 1 m wide along x, but \
+                   must be wider than 1 m";
     let numbers = (Some(0), Some(0), Some(1.0), Some(1.0));
     check(&scene, ErrorCode::NoRoute, numbers, message);
     // On a floor of its own height: there would be room beyond the mouth alone.
@@ -203,7 +204,8 @@ fn body_without_room_anywhere_is_told() {
         {"box": {"min": [0, -1], "max": [8, 2.5]}}], "bounds": {"min": [0, 0], "max": [8, 4]}},
         "body": {"box": {"min": [4, 2.5], "max": [5, 4]}}, "clearance": "safest"}"#;
     let message = "no route: the free space has no channel larger than the body; the widest place \
-                   from (x 0, z 2.5) to (x 8, z 4) is 1.5 m wide along z, more than 1.5 m are needed";
+                   from (x 0, z 2.5) to (x 8, z 4) is 1.5 m wide along z, but must be wider than \
+                   1.5 m";
     let numbers = (None, Some(2), Some(1.5), Some(1.5));
     check(scene, ErrorCode::NoRoute, numbers, message);
 }
@@ -212,8 +214,8 @@ fn body_without_room_anywhere_is_told() {
 fn narrow_place_within_a_part_is_named() {
     let scene = disassemble(5., "", UP, ROOM, [6.75, 5.5]);
     let numbers = (Some(0), Some(2), Some(4.25), Some(4.0));
-    let message = "no route: the passage from (x 1, z 2) to (x 7, z 6) is 4 m wide along z, more \
-                   than 4.25 m are needed";
+    let message = "no route: the passage from (x 1, z 2) to (x 7, z 6) is 4 m wide along z, but \
+                   must be wider than 4.25 m";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
 
@@ -221,8 +223,8 @@ fn narrow_place_within_a_part_is_named() {
 fn narrow_mouth_is_named() {
     let scene = disassemble(3., "", UP, ROOM, [6.75, 4.]);
     let numbers = (Some(1), Some(0), Some(2.5), Some(2.0));
-    let message = "no route: the passage from (x 1, z 6) to (x 3, z 7) is 2 m wide along x, more \
-                   than 2.5 m are needed";
+    let message = "no route: the passage from (x 1, z 6) to (x 3, z 7) is 2 m wide along x, but \
+                   must be wider than 2.5 m";
     check(&scene, ErrorCode::NoRoute, numbers, message);
 }
 
@@ -231,8 +233,8 @@ fn what_closes_the_mouth_is_named() {
     let lid = ", ".to_owned() + &solid([1., 6.5], [5., 7.]);
     let scene = disassemble(5., &lid, UP, ROOM, [6.75, 4.]);
     let numbers = (Some(2), Some(2), Some(0.0), Some(-0.5));
-    let message = "no route: a wall of solid 1 separates start and end, 0.5 m thick along z from \
-                   (x 1, z 6.5) to (x 5, z 7); an opening through it there must be wider than 2.5 m \
+    let message = "no route: from (x 1, z 6.5) to (x 5, z 7) a wall of solid 1, 0.5 m thick along \
+                   z, separates start and end; an opening through it must be wider than 2.5 m \
                    along x";
     check(&scene, ErrorCode::NoRoute, numbers, message);
     // Of several exits the first is explained where none does.
@@ -260,12 +262,12 @@ fn narrow_place_in_space_is_named() {
         )
     };
     let numbers = (Some(0), Some(1), Some(0.875), Some(0.75));
-    let message = "no route: the passage from (x 1.5, y 1, z 2) to (x 2.5, y 1.75, z 2.5) is 0.75 m \
-                   wide along y, more than 0.875 m are needed";
+    let message = "no route: the passage from (x 1.5, y 1, z 2) to (x 2.5, y 1.75, z 2.5) is 0.75 \
+                   m wide along y, but must be wider than 0.875 m";
     check(&scene(&with_hole), ErrorCode::NoRoute, numbers, message);
     let numbers = (Some(0), Some(2), Some(0.0), Some(-0.5));
-    let message = "no route: a wall of solid 0 separates start and end, 0.5 m thick along z from \
-                   (x 0, y 0, z 2) to (x 4, y 4, z 2.5); an opening through it there must be wider \
+    let message = "no route: from (x 0, y 0, z 2) to (x 4, y 4, z 2.5) a wall of solid 0, 0.5 m \
+                   thick along z, separates start and end; an opening through it must be wider \
                    than 0.875 m along x and 0.875 m along y";
     check(&scene(&[solid([0., 0., 2.], [4., 4., 2.5])]), ErrorCode::NoRoute, numbers, message);
 }
@@ -276,8 +278,8 @@ fn channels_that_are_apart_are_named() {
         {"min": [0, 0], "max": [9, 2]}, {"min": [5, 2.25], "max": [8, 9]}]},
         "body": {"box": {"min": [1, 0.5], "max": [2, 1.5]}}, "clearance": "safest"}"#;
     let numbers = (Some(0), Some(2), Some(1.0), Some(-0.25));
-    let message = "no route: channels 0 and 1 are 0.25 m apart along z; joined by more than 1 m \
-                   there they would open one";
+    let message = "no route: channels 0 and 1 are 0.25 m apart along z; a route would open if \
+                   they overlapped by more than 1 m";
     check(scene, ErrorCode::NoRoute, numbers, message);
 }
 

@@ -1,4 +1,7 @@
-//! The planner's settings, as its configuration file (TOML) says them.
+//! The planner's settings, read from its configuration file (TOML).
+//!
+//! For the planner, and for tools that plan under a planner's caps. This crate does not know the
+//! bus: [`Config`] only says what the bus is to be opened with.
 
 use std::path::{Path, PathBuf};
 
@@ -6,26 +9,26 @@ use answer::{CACHE_BYTES, Caps};
 use serde::Deserialize;
 use thiserror::Error;
 
-/// The planner's settings; what a file does not say has its default.
+/// The planner's settings; those that a file leaves out have their defaults.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
     /// `"event"`, `"hybrid"` or `"poll"`: how the planner waits for requests.
     pub wait: WaitFor,
-    /// Clients at a time.
+    /// The most clients connected at a time.
     pub max_clients: usize,
-    /// Requests that one client can have open.
+    /// The most open requests of one client.
     pub requests_per_client: usize,
-    /// Recorders at a time.
+    /// The most recorders connected at a time.
     pub max_recorders: usize,
-    /// Messages that wait for a slow recorder before the oldest are lost.
+    /// Messages kept for a slow recorder before the oldest are lost.
     pub tap_buffer: usize,
-    /// Seconds for which a reply waits for a client that does not take it.
+    /// How long a reply waits for a client that does not take it, seconds.
     pub patience: f64,
-    /// Bytes of what was made from free spaces that are kept for the next requests over the same;
-    /// 0: nothing is kept.
+    /// The most memory kept from one request to the next, bytes: mostly channels, junctions and
+    /// walls for requests over the same free space. 0 keeps nothing.
     pub cache: usize,
-    /// What one request may cost: the table `[caps]`.
+    /// What one request may cost; the table `[caps]`.
     pub caps: Caps,
 }
 
@@ -33,45 +36,45 @@ pub struct Config {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WaitFor {
-    /// Sleeps at once.
+    /// Sleep until a request comes.
     Event,
-    /// Spins briefly, then sleeps.
+    /// Spin briefly, then sleep.
     Hybrid,
-    /// Never sleeps; takes a core.
+    /// Never sleep: the fastest, at the cost of a core.
     Poll,
 }
 
-/// Why a file does not configure a planner.
+/// Why a configuration file is refused.
 #[derive(Debug, Error)]
 pub enum ConfigError {
-    /// It can't be read.
+    /// The file can't be read.
     #[error("can't read {}: {cause}", path.display())]
     Unreadable {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// Why.
         cause: std::io::Error,
     },
-    /// It is no such configuration.
+    /// It is not TOML, or has unknown settings or values of the wrong type.
     #[error("{}: {cause}", path.display())]
     Malformed {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What and where.
+        /// What is wrong, and where.
         cause: Box<toml::de::Error>,
     },
-    /// A number is out of range.
-    #[error("{}: {field} is {value}, but must be from {least} to {most}", path.display())]
+    /// A setting is out of range.
+    #[error("{}: {field} is {value}; it must be between {least} and {most}", path.display())]
     OutOfRange {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Which setting.
+        /// The setting.
         field: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// The least that will do.
+        /// The least allowed.
         least: f64,
-        /// The most that will do.
+        /// The most allowed.
         most: f64,
     },
 }
@@ -114,7 +117,7 @@ impl Config {
             ("cache", self.cache as f64, 0.0, (1_u64 << 40) as f64),
         ];
         for (field, value, least, most) in bounds.into_iter().chain(self.caps.ranges()) {
-            // A NaN lies in no range.
+            // NaN lies in no range.
             if !(least..=most).contains(&value) {
                 let path = path.to_owned();
                 return Err(ConfigError::OutOfRange { path, field, value, least, most });
@@ -129,7 +132,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_defaults_are_in_range() {
+    fn defaults_are_in_range() {
         Config::default().check(Path::new("planner.toml")).unwrap();
+    }
+
+    #[test]
+    fn setting_out_of_range_is_named_with_its_range() {
+        let config = Config { max_clients: 0, ..Config::default() };
+        let error = config.check(Path::new("planner.toml")).unwrap_err();
+        let message = "planner.toml: max_clients is 0; it must be between 1 and 1024";
+        assert_eq!(error.to_string(), message);
+        let config = Config { patience: f64::NAN, ..Config::default() };
+        assert!(config.check(Path::new("planner.toml")).is_err());
     }
 }

@@ -11,8 +11,7 @@ use configuration::Config;
 use planner::service::{serve, server_options};
 use program::{Diagnostics, Exit};
 
-/// Answers scene requests over shared memory with sampled trajectories, until SIGINT
-/// or SIGTERM.
+/// Plans the scenes that clients send over shared memory, until it is ended by a signal.
 #[derive(Parser)]
 #[command(
     name = "planner",
@@ -20,31 +19,32 @@ use program::{Diagnostics, Exit};
     after_help = "\
 Settings in FILE (TOML), with their defaults:
   wait = \"hybrid\"          # \"event\" sleeps, \"poll\" takes a core, \"hybrid\" spins, then sleeps
-  max_clients = 32         # clients at a time
-  requests_per_client = 4  # requests that one client can have open
-  max_recorders = 2        # recorders at a time
-  tap_buffer = 1024        # messages that wait for a slow recorder
+  max_clients = 32         # clients connected at a time
+  requests_per_client = 4  # open requests of one client
+  max_recorders = 2        # recorders connected at a time
+  tap_buffer = 1024        # messages kept for a slow recorder
   patience = 0.1           # seconds that a reply waits for a client that does not take it
-  cache = 268435456        # bytes of channels, junctions and walls kept for requests over the
-                           # same free space; 0 keeps nothing
-  [caps]                   # what one request may cost; what would cost more is refused
-  cells = 67108864         # its size, in cells of 8 bytes (memory: some ten times as much)
-  answers = 10000          # answers to it (time)
-  samples = 1000000        # samples of each trajectory (time; 72 bytes of reply each)
-  pieces = 1048576         # boxes that its solids are cut into (memory: 200 bytes each)
-  channels = 262144        # channels made from its solids (memory: 100 bytes each)
-  channel_steps = 67108864 # boxes looked at for that (time: 10 to 100 ns each)
-  junctions = 4194304      # junctions of its channels (memory: 16 bytes each)
-  route_steps = 16777216   # pairs of junctions looked at for a route (time, memory)
+  cache = 268435456        # bytes kept between requests, mostly of free spaces; 0 keeps none
+  [caps]                   # what one request may cost; more is refused as too_costly
+  cells = 67108864         # size of the request, in cells of 8 bytes
+  steps = 268435456        # steps of planning, all answers together (5 to 50 ns each)
+  bytes = 536870912        # bytes of working memory held at a time
+  answers = 10000          # answers to the request
+  samples = 1000000        # samples of one trajectory (72 bytes of reply each)
+  pieces = 1048576         # boxes that the solids are cut into (200 bytes each)
+  channels = 262144        # channels made from the solids (100 bytes each)
+  channel_steps = 67108864 # boxes looked at to make them (10 to 100 ns each)
+  junctions = 4194304      # junctions of the channels (16 bytes each)
+  route_steps = 16777216   # pairs of junctions looked at for one route
 
-Diagnostics go to stderr; RUST_LOG chooses them (RUST_LOG=debug shows every request).
+Diagnostics go to stderr; RUST_LOG selects them (RUST_LOG=debug shows every request).
 Exit codes: 0 ended by a signal, 1 failure, 2 usage."
 )]
 struct Arguments {
-    /// Settings
+    /// Reads settings from a file
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Keeps systems on one machine apart
+    /// Serves this domain; systems in different domains do not see each other
     #[arg(long, value_name = "NAME")]
     domain: Option<Domain>,
 }

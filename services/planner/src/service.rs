@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-use answer::{CacheStats, Workspace};
+use answer::{CacheStats, StopFlag, Workspace};
 use bus::{Incoming, ReplyOptions, Server, ServerOptions, Wait, Woken};
 use configuration::{Config, WaitFor};
 use schemas::message::{ErrorCode, Refusal};
@@ -11,14 +11,17 @@ use schemas::message::{ErrorCode, Refusal};
 /// After this many requests without a pause the loop looks for signals.
 const WITHOUT_PAUSE: u32 = 64;
 
+/// The memory of requests that are not larger than this is used again, cells.
+const KEPT_CELLS: usize = 1 << 17;
+
 /// What a planner has done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Served {
     /// Requests taken.
     pub requests: u64,
-    /// Replies that did not reach their client, because it had left or did not take them.
+    /// Replies that their client did not take, or that had no client any more.
     pub undelivered: u64,
-    /// What the cache did; after a failure it begins anew.
+    /// What the cache did since the last defect, if there was one.
     pub cache: CacheStats,
 }
 
@@ -56,7 +59,7 @@ impl Memory<'_> {
     fn serve(&mut self, mut incoming: Incoming, served: &mut Served) {
         served.requests += 1;
         let cells = incoming.cells();
-        // What is too large is not even copied.
+        // Don't even copy what is too large.
         let readable = self.config.caps.check_cells(cells);
         let header = match readable {
             Ok(()) => incoming.copy(&mut self.cells),
@@ -66,17 +69,21 @@ impl Memory<'_> {
         let sent = if let Err(refusal) = readable {
             Workspace::refuse(&header, &refusal, &mut sink)
         } else {
+            let stop = StopFlag::new();
             // A defect in planning must not take the service with it.
             let answered = catch_unwind(AssertUnwindSafe(|| {
-                self.workspace.answer(&header, &self.cells, &mut sink)
+                self.workspace.answer(&header, &self.cells, &stop, &mut sink)
             }));
             answered.unwrap_or_else(|_| {
                 self.workspace = workspace(self.config);
-                let refusal =
-                    Refusal::new(ErrorCode::Internal, "the planner failed at this request");
+                let message = "the planner has a defect that this request brings out; it \
+                               answers others, please report this one";
+                let refusal = Refusal::new(ErrorCode::Internal, message);
                 Workspace::refuse(&header, &refusal, &mut sink)
             })
         };
+        self.cells.clear();
+        self.cells.shrink_to(KEPT_CELLS);
         match sent {
             Ok(()) => tracing::debug!(
                 client = header.client,
@@ -111,5 +118,15 @@ pub fn server_options(config: &Config) -> ServerOptions {
             WaitFor::Poll => Wait::Poll,
         },
         reply: ReplyOptions { patience: Duration::from_secs_f64(config.patience) },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_of_the_configuration_are_those_of_the_bus() {
+        assert_eq!(server_options(&Config::default()), ServerOptions::default());
     }
 }

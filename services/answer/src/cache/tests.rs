@@ -1,33 +1,33 @@
-use std::convert::Infallible;
-
-use planning::budget::{Cap, Limits, Spent};
-
 use super::*;
 
 /// Something that says how much memory it holds.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Thing {
     made_from: Vec<u64>,
     bytes: usize,
 }
 
-impl Keep for Thing {
+impl Cached for Thing {
     fn bytes(&self) -> usize {
         self.bytes
     }
 }
 
+/// What making a thing takes.
+const STEPS: u64 = 10;
+
 /// Looks for what is made from `words`; whether it was there.
 #[track_caller]
 fn find(cache: &mut Cache, words: &[u64], bytes: usize) -> bool {
+    let budget = Budget::default();
     let mut made = false;
     cache.content = Content(words.to_vec());
-    let Ok(thing) = cache.get(&Budget::default(), |thing: &mut Thing| {
+    let thing = cache.get(&budget, || {
         made = true;
-        *thing = Thing { made_from: words.to_vec(), bytes };
-        Ok::<_, Infallible>(())
+        budget.step(STEPS)?;
+        Ok::<_, Spent>(Thing { made_from: words.to_vec(), bytes })
     });
-    assert_eq!(thing.made_from, words);
+    assert_eq!(thing.unwrap().made_from, words);
     !made
 }
 
@@ -38,7 +38,7 @@ fn check(most_bytes: usize, requests: &[&[u64]], there: &[&[bool]]) {
     for (request, (things, there)) in requests.iter().zip(there).enumerate() {
         let found: Vec<_> = things.iter().map(|thing| find(&mut cache, &[*thing], 1000)).collect();
         assert_eq!(found, *there, "request {request}");
-        cache.end_request();
+        cache.end_request(0);
         assert!(cache.stats().bytes <= most_bytes, "{:?}", cache.stats());
     }
 }
@@ -46,7 +46,7 @@ fn check(most_bytes: usize, requests: &[&[u64]], there: &[&[bool]]) {
 #[test]
 fn the_least_recently_used_goes() {
     check(
-        3500,
+        3700,
         &[&[1], &[2], &[3], &[1], &[4], &[1], &[3], &[2]],
         &[&[false], &[false], &[false], &[true], &[false], &[true], &[true], &[false]],
     );
@@ -67,74 +67,42 @@ fn larger_than_the_bound_is_not_kept_and_costs_nothing_else_its_place() {
         [(1, 1000, false), (2, 2600, false), (2, 2600, false), (1, 1000, true)]
     {
         assert_eq!(find(&mut cache, &[word], bytes), there, "{word}");
-        cache.end_request();
+        cache.end_request(0);
     }
 }
 
 #[test]
-fn collision_is_a_miss() {
-    // The first word makes the hash zero, whatever the second is.
-    let zero = SEEDS[0] ^ 2;
-    let (one, other) = ([zero, 1], [zero, 2]);
-    assert_eq!(Content(one.to_vec()).hash(), Content(other.to_vec()).hash());
-    let mut cache = Cache::new(1 << 20);
-    for (words, there) in [(one, false), (one, true), (other, false), (other, true), (one, false)] {
-        assert_eq!(find(&mut cache, &words, 1000), there);
-        cache.end_request();
+fn memory_elsewhere_counts() {
+    let mut cache = Cache::new(2500);
+    for word in [1, 2] {
+        assert!(!find(&mut cache, &[word], 1000));
     }
+    cache.end_request(0);
+    assert_eq!(cache.stats().entries, 2);
+    cache.end_request(1000);
     assert_eq!(cache.stats().entries, 1);
+    cache.end_request(2500);
+    assert_eq!((cache.stats().entries, cache.stats().bytes), (0, 0));
 }
 
 #[test]
 fn what_cannot_be_made_is_not_kept() {
     let mut cache = Cache::new(1 << 20);
     cache.content = Content(vec![1]);
-    let failed = cache.get(&Budget::default(), |_: &mut Thing| Err("too large"));
-    assert_eq!(failed.map(|thing| thing.bytes), Err("too large"));
+    let failed = cache.get(&Budget::default(), || Err::<Thing, _>(Spent::Stopped));
+    assert_eq!(failed.map(|thing| thing.bytes), Err(Spent::Stopped));
     assert!(!find(&mut cache, &[1], 1000));
     assert_eq!(cache.stats().entries, 1);
 }
 
 #[test]
-fn what_is_there_costs_as_much_as_when_it_was_made() {
-    let limits = Limits { steps: 1000, bytes: 500, ..Limits::NONE };
-    let mut cache = Cache::new(1 << 20);
-    // So many times in one request, after so many other steps: what it drew.
-    let request = |cache: &mut Cache, times: usize, steps: u64| -> Result<[u64; 2], Spent> {
-        let budget = Budget::new(limits);
-        budget.step(steps)?;
-        for _ in 0..times {
-            cache.content = Content(vec![7]);
-            cache.get(&budget, |_: &mut Thing| {
-                budget.step(600)?;
-                budget.hold(400)?;
-                budget.release(300);
-                Ok::<_, Spent>(())
-            })?;
-        }
-        cache.end_request();
-        Ok([Cap::Steps, Cap::Bytes].map(|cap| budget.drawn(cap)))
-    };
-    let made = request(&mut cache, 1, 0);
-    assert_eq!(made, Ok([601, 100]));
-    assert_eq!((request(&mut cache, 1, 0), cache.stats().hits), (made, 1));
-    // Within one request it is made but once.
-    assert_eq!((request(&mut cache, 2, 0), cache.stats().hits), (Ok([602, 100]), 3));
-    // A request that could not have made it does not get it either.
-    let spent = Spent::Limit { cap: Cap::Steps, most: 1000 };
-    assert_eq!((request(&mut cache, 1, 500), cache.stats().hits), (Err(spent), 3));
-    assert_eq!(request(&mut Cache::new(0), 1, 500), Err(spent));
-}
-
-#[test]
-fn entries_are_bounded_and_their_memory_used_again() {
+fn entries_are_bounded() {
     let mut cache = Cache::new(usize::MAX);
     for word in 0..2 * MOST_ENTRIES as u64 {
         assert!(!find(&mut cache, &[word], 1000));
-        cache.end_request();
+        cache.end_request(0);
     }
     assert_eq!(cache.stats().entries, MOST_ENTRIES);
-    assert_eq!(cache.entries.len(), MOST_ENTRIES + 1);
     assert!(find(&mut cache, &[MOST_ENTRIES as u64], 1000));
     assert!(!find(&mut cache, &[MOST_ENTRIES as u64 - 1], 1000));
 }
@@ -144,7 +112,6 @@ fn entries_are_bounded_and_their_memory_used_again() {
 fn it_does_as_a_plain_list_does() {
     let bound = 12_000;
     let mut cache = Cache::new(bound);
-    let entry = 1000 + size_of::<Entry>();
     // Newest first.
     let mut list: Vec<u64> = Vec::new();
     let mut state = 1_u64;
@@ -155,10 +122,34 @@ fn it_does_as_a_plain_list_does() {
         list.retain(|other| *other != word);
         list.insert(0, word);
         assert_eq!(find(&mut cache, &[word], 1000), there);
-        cache.end_request();
+        cache.end_request(0);
         let each = cache.stats().bytes / cache.stats().entries;
-        assert!(each >= entry);
+        assert!(each >= 1000 + ENTRY_BYTES);
         list.truncate(bound / each);
         assert_eq!(cache.stats().entries, list.len());
     }
+}
+
+#[test]
+fn what_is_found_costs_what_making_it_did_once_a_request() {
+    let mut cache = Cache::new(1 << 20);
+    let drawn = |cache: &mut Cache, times: usize| {
+        let budget = Budget::default();
+        for _ in 0..times {
+            cache.content = Content(vec![7]);
+            let made = cache.get(&budget, || {
+                budget.step(STEPS)?;
+                budget.hold(1000)?;
+                Ok::<_, Spent>(Thing { made_from: Vec::new(), bytes: 1000 })
+            });
+            made.unwrap();
+        }
+        cache.end_request(0);
+        (budget.drawn(planning::budget::Cap::Steps), budget.drawn(planning::budget::Cap::Bytes))
+    };
+    let made = drawn(&mut cache, 1);
+    assert_eq!(made.0, STEPS);
+    assert_eq!(drawn(&mut cache, 1), made, "found");
+    assert_eq!(drawn(&mut cache, 3), made, "found three times");
+    assert_eq!(cache.stats().misses, 1);
 }

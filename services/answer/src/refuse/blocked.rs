@@ -7,8 +7,8 @@ use planning::geometry::AxisBox;
 use planning::route::{Blocked, Passage, Place};
 use schemas::message::{ErrorCode, Refusal};
 
-use super::{Axes, Others, Short, at_junction, letter};
-use crate::Refused;
+use super::refused::Refused;
+use super::words::{Axes, Others, Short, at_junction, letter};
 
 /// A point with its axes' names.
 struct At<'a>(&'a Axes, &'a [f64]);
@@ -33,8 +33,8 @@ impl<const D: usize> fmt::Display for Of<'_, D> {
     }
 }
 
-/// `None` where nothing can be said of it.
-pub(in super::super) fn blocked<const D: usize>(
+/// `None` where there is nothing to name.
+pub(crate) fn blocked<const D: usize>(
     axes: &Axes,
     blocked: &Blocked<D>,
     solids: &Solids<D>,
@@ -85,22 +85,22 @@ pub(in super::super) fn blocked<const D: usize>(
             let across = across
                 .map(|across| format!("{} m along {}", Short(needs[across]), letter(axes, across)));
             let message = format!(
-                "no route: a wall{solid} separates start and end, {} m thick along {} {}; an \
-                 opening through it there must be wider than {}{}",
+                "no route: {} a wall{solid}, {} m thick along {}, separates start and end; an \
+                 opening through it must be wider than {}{}",
+                Of(axes, place),
                 Short(*thickness),
                 letter(axes, *axis),
-                Of(axes, place),
                 across.collect::<Vec<_>>().join(" and "),
                 Others("place", *others)
             );
-            // What is free along the axis is less than nothing, by the wall's thickness.
+            // The free extent along the axis is negative: minus the wall's thickness.
             at_junction(axes, (*junction, *axis), (0.0, -thickness), no_route(message))
         }
     };
-    Some(Refused { refusal, whole: true })
+    Some(Refused::Request(refusal))
 }
 
-/// A passage, or what it is called, in words.
+/// A passage by its name, and how wide it is.
 struct Narrow<'a, const D: usize>(&'a Axes, &'a Passage<D>, &'static str);
 
 impl<const D: usize> fmt::Display for Narrow<'_, D> {
@@ -108,7 +108,7 @@ impl<const D: usize> fmt::Display for Narrow<'_, D> {
         let Self(axes, Passage { place, axis, needs, has }, name) = self;
         write!(
             f,
-            "the {name} {} is {} m wide along {}, more than {} m are needed",
+            "the {name} {} is {} m wide along {}, but must be wider than {} m",
             Of(axes, place),
             Short(*has),
             letter(axes, *axis),
@@ -128,7 +128,7 @@ fn narrow_end<const D: usize>(
     Refusal { axis: Some(axes[passage.axis]), needs, has, ..Refusal::new(code, message) }
 }
 
-/// Something that should be free, and lies in a solid or outside the bounds.
+/// A start or goal that lies in a solid or outside the bounds.
 fn taken<const D: usize>(
     axes: &Axes,
     what: &str,
@@ -163,10 +163,10 @@ fn taken<const D: usize>(
     }
     let (_, axis, side, end) = farthest?;
     let message = format!(
-        "{what} outside the bounds: they end at {} along {}, and it is at {}",
+        "{what} outside the bounds: they end at {axis} = {} m, but it is at {axis} = {} m",
         Short(end),
-        letter(axes, axis),
-        Short(side)
+        Short(side),
+        axis = letter(axes, axis)
     );
     let refusal = Refusal::new(code, message);
     Some(Refusal { axis: Some(axes[axis]), needs: Some(side), has: Some(end), ..refusal })

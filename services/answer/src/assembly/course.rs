@@ -1,0 +1,147 @@
+//! The way of a body through the channels it travels.
+
+use planning::budget::{Budget, Spent};
+use planning::clearance::Clearance;
+use planning::clearance::translating::{Body, translating_clearance};
+use planning::disassembly::{DisassemblyError, Gap, Path, disassemble};
+use planning::free_space::walls::Walls;
+use planning::free_space::{Chain, ChainError, End};
+use planning::geometry::{AxisBox, Direction, HalfSpace};
+use planning::motion::Curve;
+
+use crate::free_space::FreeSpace;
+
+/// The channels travelled, the path through them, and how close it comes to the walls.
+#[derive(Debug, Default)]
+pub(super) struct Course<const D: usize> {
+    /// The indices of the channels travelled, in travel order.
+    pub(super) route: Vec<usize>,
+    /// Memory for these channels, where the route was found.
+    travelled: Vec<AxisBox<D>>,
+    chain: Chain<D>,
+    /// The way out that the chain is for, if it is of all channels in order.
+    all_to: Option<Direction>,
+    pub(super) path: Path<D>,
+    /// Of the legs, and of the whole motion; none where there are no walls.
+    pub(super) clearances: Vec<Clearance<D>>,
+    pub(super) clearance: Option<Clearance<D>>,
+}
+
+impl<const D: usize> Course<D> {
+    /// Begins a request.
+    pub(super) fn forget(&mut self) {
+        self.all_to = None;
+    }
+
+    /// The memory that it holds, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let route = self.route.capacity() * size_of::<usize>();
+        let travelled = self.travelled.capacity() * size_of::<AxisBox<D>>();
+        let clearances = self.clearances.capacity() * size_of::<Clearance<D>>();
+        route + travelled + clearances + self.chain.bytes() + self.path.bytes()
+    }
+
+    /// The cells that its gaps and its route take in a reply.
+    pub(super) fn cells(&self) -> usize {
+        D * self.path.gaps().len() + self.route.len()
+    }
+
+    /// Travels all channels, which are in order.
+    pub(super) fn follow_all(
+        &mut self,
+        channels: &[AxisBox<D>],
+        body: &Body<'_, D>,
+        exit: Direction,
+        budget: &Budget<'_>,
+    ) -> Result<(), ChainError> {
+        if self.all_to == Some(exit) {
+            return Ok(());
+        }
+        self.all_to = None;
+        self.chain.build(channels, &body.bounds().center(), End::Exit(exit), budget)?;
+        self.route.clear();
+        self.route.extend(0..channels.len());
+        self.all_to = Some(exit);
+        Ok(())
+    }
+
+    /// Travels along a route that was found.
+    pub(super) fn follow(
+        &mut self,
+        channels: &[AxisBox<D>],
+        route: &[usize],
+        body: &Body<'_, D>,
+        exit: Direction,
+        budget: &Budget<'_>,
+    ) -> Result<(), ChainError> {
+        self.all_to = None;
+        self.route.clear();
+        self.route.extend_from_slice(route);
+        self.travelled.clear();
+        self.travelled.extend(route.iter().map(|channel| channels[*channel]));
+        self.chain.build(&self.travelled, &body.bounds().center(), End::Exit(exit), budget)
+    }
+
+    /// Where the last channel is left.
+    pub(super) fn mouth(&self) -> Option<HalfSpace> {
+        self.chain.mouth()
+    }
+
+    /// Finds the path by the rules of Table 1.
+    pub(super) fn disassemble(
+        &mut self,
+        body: &Body<'_, D>,
+        gap: Gap<'_, D>,
+        budget: &Budget<'_>,
+    ) -> Result<(), DisassemblyError> {
+        disassemble(&self.chain, body.bounds(), gap, &mut self.path, budget)
+    }
+
+    /// Measures how close the path comes to the walls; `None` if there are none.
+    pub(super) fn measure(
+        &mut self,
+        body: &Body<'_, D>,
+        walls: &Walls<D>,
+        budget: &Budget<'_>,
+    ) -> Result<Option<Clearance<D>>, Spent> {
+        let Self { path, clearances, clearance, .. } = self;
+        *clearance = translating_clearance(body, walls, path.legs(), clearances, budget)?;
+        Ok(*clearance)
+    }
+
+    /// Whether a clearance of 0 is no more than contact, because the body stays where no solid
+    /// is: in the channels (lemma 1 of docs/method.md) and, at the end, beyond the mouth.
+    pub(super) fn is_contact(
+        &self,
+        body: &Body<'_, D>,
+        space: &FreeSpace<'_, D>,
+        walls: &Walls<D>,
+        budget: &Budget<'_>,
+    ) -> Result<bool, Spent> {
+        // All other walls are the channels' own sides.
+        if !space.has_solids() {
+            return Ok(true);
+        }
+        let Some(Curve::Line { to, .. }) = self.path.legs().last().map(|leg| leg.curve) else {
+            return Ok(false);
+        };
+        // Channels made from the solids are free of them.
+        if space.made().is_empty() {
+            for channel in self.chain.channels() {
+                if !walls.is_free(channel, budget)? {
+                    return Ok(false);
+                }
+            }
+        }
+        walls.is_free(&body.bounds().translated(&to), budget)
+    }
+
+    /// Turns the path round. What was measured on the way out is exact in every number.
+    pub(super) fn reverse(&mut self) {
+        self.path.reverse();
+        self.clearances.reverse();
+        if let Some(near) = &mut self.clearance {
+            near.at = self.path.length() - near.at;
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! What a request says of its free space.
+
+use std::sync::Arc;
+
+use planning::free_space::graph::Graph;
+use planning::free_space::solids::Solids;
+use planning::free_space::walls::Walls;
+use planning::geometry::{AxisBox, Vector};
+use schemas::message::{Refusal, SceneRequest, Solid, Task};
+
+use super::made::Cut;
+use super::space::{Around, FreeSpace};
+use super::take::{Pieces, Surfaces, TakeSolids, take_all};
+use crate::answers::Resources;
+use crate::cache::{Content, Kind};
+use crate::check;
+use crate::refuse::{Axes, Refused};
+
+/// Slanted edges of solids are followed to this part of the body's least extent.
+const SLANT: f64 = 0.01;
+
+/// Memory for what a request says of its free space.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers<const D: usize> {
+    channels: Vec<AxisBox<D>>,
+    solids: Solids<D>,
+    made: Vec<AxisBox<D>>,
+    outline: Vec<Vector<2>>,
+}
+
+impl<const D: usize> Buffers<D> {
+    /// The memory that it holds.
+    pub(crate) fn bytes(&self) -> usize {
+        let channels = self.channels.capacity() + self.made.capacity();
+        let outline = self.outline.capacity() * size_of::<Vector<2>>();
+        channels * size_of::<AxisBox<D>>() + self.solids.bytes() + outline
+    }
+}
+
+/// What a request says of its free space, read and checked.
+#[derive(Debug)]
+pub(crate) enum Source<'a, const D: usize> {
+    /// Channels.
+    Channels(FreeSpace<'a, D>),
+    /// Solids to make channels from.
+    Solids(Cut<'a, D>),
+}
+
+impl<'a, const D: usize> Source<'a, D> {
+    /// Reads the scene's channels, solids and bounds for a body of this size (metres).
+    pub(crate) fn read(
+        scene: &SceneRequest,
+        axes: &Axes,
+        size: &[f64],
+        buffers: &'a mut Buffers<D>,
+        resources: &mut Resources<'_>,
+    ) -> Result<Self, Refused>
+    where
+        for<'b> Surfaces<'b, D>: TakeSolids<D>,
+        for<'b> Pieces<'b, D>: TakeSolids<D>,
+    {
+        let Buffers { channels, solids, made, outline } = buffers;
+        let bounds = match &scene.free_space.bounds {
+            Some(bounds) => Some(check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds)?),
+            None => None,
+        };
+        if let Some(given) = &scene.free_space.channels {
+            channels.clear();
+            resources.budget.step(given.len() as u64)?;
+            resources.budget.hold(size_of::<AxisBox<D>>() * given.len())?;
+            for (index, sides) in given.iter().enumerate() {
+                let field = || format!("free_space.channels[{index}]");
+                channels.push(check::axis_box(field, axes, sides)?);
+            }
+            // One channel has but one order.
+            if scene.free_space.in_order || channels.len() == 1 {
+                let around = around(scene, axes, outline, resources)?;
+                return Ok(Self::Channels(FreeSpace::InOrder(channels, around)));
+            }
+            let Resources { budget, cache, .. } = resources;
+            cache.describe(Kind::Junctions, D).boxes(channels);
+            let graph = cache.get(budget, || {
+                let mut graph = Graph::default();
+                graph.build(channels, budget)?;
+                Ok::<_, Refused>(graph)
+            })?;
+            let around = around(scene, axes, outline, resources)?;
+            return Ok(Self::Channels(FreeSpace::Unordered(graph, around)));
+        }
+        // What lies outside of a floor's bounds is wall.
+        let within = bounds.filter(|_| scene.task == Task::Drive);
+        let walls = surfaces(scene, axes, within, outline, resources)?;
+        solids.clear();
+        let tolerance = SLANT * size.iter().copied().fold(f64::INFINITY, f64::min);
+        let budget = resources.budget;
+        take_all(scene, axes, Pieces { solids, tolerance, outline, budget }, budget)?;
+        Ok(Self::Solids(Cut { solids, made, walls, bounds }))
+    }
+
+    /// The free space: as given, or made within the bounds that `within` finds, for a body of
+    /// this size (metres).
+    pub(crate) fn open(
+        &mut self,
+        within: impl FnOnce(&Cut<'a, D>) -> Result<AxisBox<D>, Refusal>,
+        room: Vector<D>,
+        resources: &mut Resources<'_>,
+    ) -> Result<FreeSpace<'a, D>, Refused> {
+        match self {
+            Self::Channels(space) => Ok(space.clone()),
+            Self::Solids(cut) => {
+                let bounds = within(cut)?;
+                cut.make(bounds, room, resources).map(FreeSpace::Made)
+            }
+        }
+    }
+}
+
+/// The walls around given channels.
+fn around<const D: usize>(
+    scene: &SceneRequest,
+    axes: &Axes,
+    outline: &mut Vec<Vector<2>>,
+    resources: &mut Resources<'_>,
+) -> Result<Around<D>, Refused>
+where
+    for<'b> Surfaces<'b, D>: TakeSolids<D>,
+{
+    if scene.free_space.solids.as_ref().is_none_or(Vec::is_empty) {
+        return Ok(Around::Complement(None));
+    }
+    surfaces(scene, axes, None, outline, resources).map(Around::Solids)
+}
+
+/// The surfaces of the scene's solids, and of what lies outside of `within`.
+fn surfaces<const D: usize>(
+    scene: &SceneRequest,
+    axes: &Axes,
+    within: Option<AxisBox<D>>,
+    outline: &mut Vec<Vector<2>>,
+    resources: &mut Resources<'_>,
+) -> Result<Arc<Walls<D>>, Refused>
+where
+    for<'b> Surfaces<'b, D>: TakeSolids<D>,
+{
+    let Resources { budget, cache, .. } = resources;
+    let content = cache.describe(Kind::SolidsWalls, D);
+    content.word(u64::from(within.is_some()));
+    content.boxes(within.as_slice());
+    describe::<D>(scene, content);
+    cache.get(budget, || {
+        let mut walls = Walls::default();
+        take_all(scene, axes, Surfaces { walls: &mut walls, within, outline, budget }, budget)?;
+        Ok(walls)
+    })
+}
+
+fn describe<const D: usize>(scene: &SceneRequest, content: &mut Content) {
+    for solid in scene.free_space.solids.iter().flatten() {
+        match solid {
+            Solid::Box(sides) => {
+                content.word(0);
+                content.numbers(&sides.min.padded()[..D]);
+                content.numbers(&sides.max.padded()[..D]);
+            }
+            Solid::Polygon(vertices) => {
+                content.word(1 + vertices.len() as u64);
+                vertices.iter().for_each(|vertex| content.numbers(&vertex.padded()[..D]));
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Channels, which of them meet, and the walls around.
+
+use std::sync::Arc;
+
+use planning::free_space::graph::Graph;
+use planning::free_space::walls::{Complement, Walls};
+use planning::geometry::{AxisBox, HalfSpace};
+
+use crate::answers::Resources;
+use crate::cache::Kind;
+use crate::refuse::Refused;
+
+use super::made::Made;
+
+/// Where a body can move. What took long to make belongs to the cache, and is held while the
+/// request lasts.
+#[derive(Debug, Clone)]
+pub(crate) enum FreeSpace<'a, const D: usize> {
+    /// The request's channels, in travel order.
+    InOrder(&'a [AxisBox<D>], Around<D>),
+    /// The request's channels in any order, and which of them meet.
+    Unordered(Arc<Graph<D>>, Around<D>),
+    /// Channels made from the request's solids, and which of them meet.
+    Made(Made<D>),
+}
+
+/// What clearance is measured against where the request gives channels.
+#[derive(Debug, Clone)]
+pub(crate) enum Around<const D: usize> {
+    /// The surfaces of the request's solids.
+    Solids(Arc<Walls<D>>),
+    /// All that the channels leave, up to a mouth. It is found when it is asked for; the last
+    /// is remembered.
+    Complement(Option<(Option<HalfSpace>, Arc<Walls<D>>)>),
+}
+
+impl<const D: usize> FreeSpace<'_, D> {
+    /// All channels.
+    pub(crate) fn channels(&self) -> &[AxisBox<D>] {
+        match self {
+            Self::InOrder(channels, _) => channels,
+            Self::Unordered(graph, _) => graph.channels(),
+            Self::Made(made) => made.graph().channels(),
+        }
+    }
+
+    /// Which channels meet, unless their order is given.
+    pub(crate) fn graph(&self) -> Option<&Arc<Graph<D>>> {
+        match self {
+            Self::InOrder(..) => None,
+            Self::Unordered(graph, _) => Some(graph),
+            Self::Made(made) => Some(made.graph()),
+        }
+    }
+
+    /// Whether the walls are solids, so that one of them may stand in a channel.
+    pub(crate) fn has_solids(&self) -> bool {
+        match self {
+            Self::InOrder(_, around) | Self::Unordered(_, around) => {
+                matches!(around, Around::Solids(_))
+            }
+            Self::Made(_) => true,
+        }
+    }
+
+    /// The walls, which end at the mouth (if there is one) unless they are solids.
+    pub(crate) fn walls(
+        &mut self,
+        mouth: Option<HalfSpace>,
+        complement: &mut Complement<D>,
+        resources: &mut Resources<'_>,
+    ) -> Result<Arc<Walls<D>>, Refused> {
+        let (channels, around) = match self {
+            Self::InOrder(channels, around) => (*channels, around),
+            Self::Unordered(graph, around) => (graph.channels(), around),
+            Self::Made(made) => return Ok(made.walls().clone()),
+        };
+        let last = match around {
+            Around::Solids(walls) => return Ok(walls.clone()),
+            Around::Complement(last) => last,
+        };
+        if let Some((_, walls)) = last.as_ref().filter(|(up_to, _)| *up_to == mouth) {
+            return Ok(walls.clone());
+        }
+        let Resources { budget, cache, .. } = resources;
+        let content = cache.describe(Kind::ChannelsWalls, D);
+        content.mouth(mouth);
+        content.boxes(channels);
+        let walls: Arc<Walls<D>> = cache.get(budget, || {
+            let mut walls = Walls::default();
+            walls.set_complement(channels, mouth, complement, budget)?;
+            Ok::<_, Refused>(walls)
+        })?;
+        *last = Some((mouth, walls.clone()));
+        Ok(walls)
+    }
+
+    /// The channels that were made from solids.
+    pub(crate) fn made(&self) -> &[AxisBox<D>] {
+        match self {
+            Self::InOrder(..) | Self::Unordered(..) => &[],
+            Self::Made(made) => made.graph().channels(),
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! How a process ends a request before it is answered.
+
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering, fence};
+
+/// Why a process ends a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopReason {
+    /// The request's deadline has passed: what is not answered yet is refused as
+    /// `deadline_exceeded`.
+    Deadline,
+    /// Nobody is there to take the reply. The sink says so when the next part is written.
+    ClientLeft,
+    /// The process ends: what is not answered yet is refused as `overloaded`.
+    Shutdown,
+}
+
+impl StopReason {
+    const ALL: [Self; 3] = [Self::Deadline, Self::ClientLeft, Self::Shutdown];
+}
+
+/// Ends a request that is being answered, from another thread or a signal handler.
+///
+/// The request looks at the flag at least once in 1,024 steps of its budget, which take less
+/// than a millisecond. Answers that are already being written are written to their end, so
+/// that every trajectory in a reply is whole. Set once; the first reason stands.
+#[derive(Debug, Default)]
+pub struct StopFlag {
+    stopped: AtomicBool,
+    /// 0, or the place of the reason in [`StopReason::ALL`] and 1.
+    reason: AtomicU8,
+}
+
+impl StopFlag {
+    /// A flag that is not set.
+    pub const fn new() -> Self {
+        Self { stopped: AtomicBool::new(false), reason: AtomicU8::new(0) }
+    }
+
+    /// Ends the request. Has no effect if it was ended before.
+    pub fn stop(&self, reason: StopReason) {
+        let first =
+            self.reason.compare_exchange(0, reason as u8 + 1, Ordering::Relaxed, Ordering::Relaxed);
+        if first.is_ok() {
+            self.stopped.store(true, Ordering::Release);
+        }
+    }
+
+    /// Why the request was ended, if it was.
+    pub fn reason(&self) -> Option<StopReason> {
+        if !self.stopped.load(Ordering::Relaxed) {
+            return None;
+        }
+        // The reason was written before the flag.
+        fence(Ordering::Acquire);
+        let place = usize::from(self.reason.load(Ordering::Relaxed)).checked_sub(1)?;
+        StopReason::ALL.get(place).copied()
+    }
+
+    /// What the budget looks at.
+    pub(crate) fn flag(&self) -> &AtomicBool {
+        &self.stopped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_reason_stands() {
+        for reason in StopReason::ALL {
+            let flag = StopFlag::new();
+            assert_eq!(flag.reason(), None);
+            flag.stop(reason);
+            flag.stop(StopReason::Deadline);
+            assert_eq!(flag.reason(), Some(reason));
+        }
+    }
+}
