@@ -42,15 +42,13 @@ impl<I: ExactSizeIterator<Item = wire::Sample>> Samples for I {
 }
 
 /// Writes a trajectory as parts, straight into the sink's memory.
-///
-/// The other lists are iterators.
 #[derive(Debug)]
 pub struct TrajectoryWriter<Gaps, Route, Channels, Legs, States> {
     /// The gaps used, junction by junction; metres.
     pub gaps: Gaps,
     /// Indices of the channels travelled.
     pub route: Route,
-    /// The channels, where the planner made them; each with the scene's dimension.
+    /// The channels if the planner made them, each with the scene's dimension.
     pub channels: Channels,
     /// The pieces of the path.
     pub legs: Legs,
@@ -66,8 +64,8 @@ where
     Legs: ExactSizeIterator<Item = wire::Leg>,
     States: Samples,
 {
-    /// Writes all parts. `header` comes with the fields that all parts share;
-    /// `header.part` counts on; `final_answer` says whether the reply ends here.
+    /// Writes all parts. `header` brings the fields that all parts share and counts the
+    /// parts in `header.part`; `final_answer` says whether the reply ends here.
     pub fn write<S: PartSink>(
         mut self,
         header: &mut ReplyHeader,

@@ -4,13 +4,13 @@ use std::fmt::Arguments;
 
 use iceoryx2::prelude::{LogLevel, set_log_level, set_logger};
 
-/// Longest origin that is passed on: iceoryx2 prints whole port structures there,
-/// up to 10 KB for one warning.
+/// Longest origin that is passed on; iceoryx2 prints whole port structures there, up to
+/// 10 KB for one warning.
 const MOST_ORIGIN: usize = 80;
 
 struct ToTracing;
 
-/// From now on iceoryx2 logs through `tracing`, target `iceoryx2`, warnings and worse.
+/// From now on iceoryx2 logs warnings and errors through `tracing`, target `iceoryx2`.
 pub fn forward_to_tracing() {
     static LOGGER: ToTracing = ToTracing;
     set_logger(&LOGGER);

@@ -24,11 +24,11 @@ use crate::headers::{TapHeader, UserHeader};
 use crate::ports;
 use crate::wait;
 
-/// Cells of one message of the tap: a whole reply part with its header fits; longer
-/// requests are cut.
+/// Cells of one message of the tap: a whole reply part with its header; longer requests
+/// are cut into pieces.
 const MESSAGE_CELLS: usize = wire::PART_CELLS + size_of::<wire::ReplyHeader>() / 8;
 
-/// How often the heartbeat comes.
+/// Time between heartbeats.
 const HEARTBEAT: Duration = Duration::from_millis(100);
 
 /// Kinds of messages, as in [`wire::TapHeader`].
@@ -73,7 +73,7 @@ impl TapWriter {
         }
     }
 
-    /// Says how far the sequence has come, if it is time to and anybody listens.
+    /// Announces the next sequence number, if it is time to and anybody listens.
     pub(crate) fn heartbeat(&mut self) {
         if self.beaten.elapsed() >= HEARTBEAT && self.listened_to() {
             self.beaten = Instant::now();
@@ -95,7 +95,7 @@ impl TapWriter {
         }
     }
 
-    /// Not sent is lost, and shows in the sequence.
+    /// What can't be sent is lost, and shows as a gap in the sequence.
     fn send(&mut self, kind: u32, sequence: u64, piece: Piece, head: &[u64], cells: &[u64]) {
         let mut sample = match self.port.loan_slice_uninit(head.len() + cells.len()) {
             Ok(sample) => sample,
@@ -122,9 +122,9 @@ impl TapWriter {
 /// Which piece of a message this is, as in [`wire::TapHeader::piece`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Piece {
-    /// Counts the message's pieces, from 0.
+    /// Its number in the message, from 0.
     index: u32,
-    /// Whether the message ends with it.
+    /// Whether it is the last.
     ends: bool,
 }
 
@@ -183,7 +183,7 @@ pub enum TapMessage {
 #[derive(Debug)]
 pub struct TapReader {
     port: Subscriber<ipc::Service, [u64], TapHeader>,
-    /// Whose sequence is being followed.
+    /// The planner whose sequence is being followed.
     publisher: Option<UniquePublisherId>,
     /// None before the first message.
     place: Option<Place>,
@@ -222,7 +222,7 @@ impl TapReader {
         wait::terminated()
     }
 
-    /// The next thing that happened, if anything has.
+    /// The next event, if there is one.
     pub fn receive(&mut self) -> Option<TapEvent> {
         if let Some(message) = self.waiting.take() {
             return Some(TapEvent::Message(message));
@@ -291,7 +291,7 @@ impl TapReader {
 struct Place {
     /// The message that comes next, or is being put together.
     message: u64,
-    /// How many of its pieces have come.
+    /// How many of its pieces came.
     pieces: u32,
 }
 
@@ -305,8 +305,8 @@ struct Step {
 }
 
 impl Place {
-    /// Takes in a piece of the message with this number; none: a heartbeat, which has the
-    /// number of the message that comes next. A message that lacks a piece is lost once.
+    /// Takes in a piece of the message with this number, or (`None`) a heartbeat, which
+    /// carries the number of the next message. A message that lacks a piece is lost once.
     fn step(self, message: u64, piece: Option<Piece>) -> (Step, Self) {
         if message < self.message {
             // The rest of a message that counts as lost.

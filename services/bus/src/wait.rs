@@ -79,7 +79,7 @@ pub(crate) fn wait(
 /// What ended a [`sleep`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ended {
-    /// There was something to do before it began.
+    /// There was something to do already.
     Ready,
     /// The bell.
     Rung,
@@ -89,8 +89,8 @@ enum Ended {
 
 /// Sleeps until the bell rings, at most until `end`.
 ///
-/// The bell is silenced *before* the last look: whoever rings afterwards wakes the
-/// sleeper. The other way round, what came between look and silence would be slept over.
+/// The bell is silenced *before* the last look, so whoever rings afterwards wakes the
+/// sleeper. In the other order, what came between look and silence would be missed.
 fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() -> bool) -> Ended {
     silence(bell);
     for most in [NAP, NET] {
@@ -108,11 +108,11 @@ fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() ->
     Ended::Unrung
 }
 
-/// Takes up all rings, until a round finds none and so leaves the bell unmarked.
+/// Takes up all rings until a round finds none, which leaves the bell unmarked.
 ///
-/// Once is not enough: between ringing a bell and marking it as rung, a notifier can see
-/// its ring taken up with another's. The bell then counts as rung, nobody rings it again,
-/// and who listens for rings alone sleeps on.
+/// One round is not enough: a notifier's ring can be taken up together with another's
+/// before the notifier has marked the bell as rung. The bell then counts as rung, nobody
+/// rings it again, and whoever only listens for rings sleeps on.
 fn silence(bell: &Listener<ipc::Service>) {
     while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}
 }

@@ -25,7 +25,7 @@ pub struct Served {
     pub cache: CacheStats,
 }
 
-/// Serves until SIGINT or SIGTERM.
+/// Serves until a signal asks it to end.
 pub fn serve(server: &mut Server, config: &Config) -> Served {
     let workspace = workspace(config);
     let mut memory = Memory { config, cells: Vec::new(), workspace };

@@ -39,7 +39,7 @@ pub enum Failure {
     Write(#[from] WriteError),
 }
 
-/// Records until SIGINT, SIGTERM or the time is up, then finishes the file.
+/// Records until a signal comes or the time is up, then finishes the file.
 pub fn run(settings: &Settings) -> Result<Summary, Failure> {
     // Whoever came alone leaves nothing behind.
     let mut tap = connect(settings).inspect_err(|_| settings.domain.tidy())?;

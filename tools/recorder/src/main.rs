@@ -13,7 +13,7 @@ use recorder::Settings;
 use recording::{FLUSH_INTERVAL, Summary};
 
 /// Logs all requests and replies of a planner to an MCAP file until told to stop
-/// (SIGINT, SIGTERM), then finishes the file.
+/// (SIGINT, SIGTERM, SIGHUP), then finishes the file.
 #[derive(Parser)]
 #[command(
     name = "recorder",

@@ -54,7 +54,10 @@ fn open_requests_are_answered_each() {
     let client = Client::connect(&test.domain, Wait::Event).unwrap();
     let until = Instant::now() + LONG;
     let mut open: Vec<_> = (0..4).map(|id| client.send(&scene(id, 2_000 * id)).unwrap()).collect();
-    assert!(client.send(&scene(4, 1)).is_err(), "a fifth is one too many");
+    let fifth = client.send(&scene(4, 1)).unwrap_err();
+    let said = "4 requests of this client are open, the most this planner takes \
+        (`requests_per_client`)";
+    assert_eq!(fifth.to_string(), said);
     for (id, pending) in open.iter_mut().enumerate().rev() {
         let key = pending.key();
         let id = id as u64;
@@ -64,19 +67,22 @@ fn open_requests_are_answered_each() {
     client.call(&scene(5, 1), LONG).unwrap();
 }
 
-/// 200 calls are to take far less than 200 nets.
+/// A call is to take far less than the net under a wake-up that is slept over. The median
+/// says so on a busy machine, too.
 fn check_prompt(domain: &Domain, client: Wait, server: Wait) {
     let options = ServerOptions { wait: server, ..ServerOptions::default() };
     let _planner = Planner::start(domain, options);
     let client_port = Client::connect(domain, client).unwrap();
-    let begin = Instant::now();
-    for id in 0..200 {
+    let call = |id| {
         // The other side has gone to sleep in some of the calls.
         std::thread::sleep(Duration::from_micros(id % 7 * 30));
+        let begin = Instant::now();
         client_port.call(&scene(id, 1), LONG).unwrap();
-    }
-    let took = begin.elapsed();
-    assert!(took < Duration::from_secs(10), "client {client:?}, server {server:?}: {took:?}");
+        begin.elapsed()
+    };
+    let mut took: Vec<_> = (0..100).map(call).collect();
+    took.sort_unstable();
+    assert!(took[50] < bus::wait::NET / 2, "client {client:?}, server {server:?}: {took:?}");
 }
 
 #[test]
