@@ -6,22 +6,19 @@
 //! version 2; it lacks a refusal's setting and the code `too_costly`, which it calls
 //! `invalid_scene`.
 //!
-//! This module is the whole difference between the versions: [`bus`] serves both with
-//! one code path and asks here what to change on the way in and out.
+//! This module is the whole difference between the versions: the crate `bus` serves both
+//! with one code path and asks here what to change on the way in and out.
 //!
 //! # Adding version 3
 //!
-//! 1. Version 1 ends: delete what this file holds and `schemas/tests/pinned/version_1`'s
-//!    part in the tests of shared memory. (Recordings of version 1 stay readable; they are
-//!    [`crate::codec`]'s.)
+//! 1. Version 1 ends here: delete what this file holds, and the tests of its shared memory.
+//!    (Recordings of version 1 stay readable; see [`crate::codec`].)
 //! 2. Freeze version 2 here: its number, service name (the present
 //!    [`topic::PLAN`](crate::topic::PLAN)), layout hash as a literal, and copies of the
 //!    structures that version 3 changes; the type aliases below stay for the others.
 //! 3. Change [`wire`](super), raise [`wire::VERSION`](super::VERSION), give `topic::PLAN`
 //!    and `topic::TAP` new names, and write the translations here. The compiler and
 //!    `PIN=1 cargo test -p clearway-schemas` find the rest.
-//!
-//! [`bus`]: https://docs.rs/clearway-bus
 
 use super::present;
 
