@@ -183,6 +183,22 @@ fn planning_reads_no_clock_and_keeps_no_order_by_chance() {
 }
 
 #[test]
+fn libraries_print_nothing() {
+    for (path, text) in sources() {
+        let library = path.starts_with("schemas") || path.starts_with("services");
+        let places = ["tests", "benches", "examples", "tests.rs", "main.rs"];
+        let may_print = path.iter().any(|part| places.iter().any(|place| part == *place));
+        if !library || may_print {
+            continue;
+        }
+        for (number, line) in code(&text) {
+            let prints = line.contains("print!(") || line.contains("println!(");
+            assert!(!prints, "{}:{number}: {line}", path.display());
+        }
+    }
+}
+
+#[test]
 fn files_are_short_and_named_for_what_they_hold() {
     for (path, text) in sources() {
         let lines = text.lines().count();

@@ -41,7 +41,7 @@ fn planning_depends_one_way() {
 }
 
 /// Crates whose files still depend on each other in circles.
-const CIRCULAR: [&str; 3] = ["bless", "bus", "recording"];
+const CIRCULAR: [&str; 2] = ["bus", "recording"];
 
 #[test]
 fn files_depend_one_way() {

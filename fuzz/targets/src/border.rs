@@ -3,28 +3,15 @@
 use std::cell::RefCell;
 use std::convert::Infallible;
 
-use answer::{Caps, Workspace};
+use answer::Workspace;
 use schemas::codec;
 use schemas::convert::{self, CellWriter, PartSink};
 use schemas::message::{Reply, ReplyAssembler, ReplyPart, Request, RequestContent, RequestKey};
 use schemas::wire::{ReplyHeader, RequestHeader};
 
+use crate::limits::small_caps;
+use crate::memory::split;
 use crate::reply::check_reply;
-
-/// Caps under which no request takes long.
-pub(crate) fn small_caps() -> Caps {
-    Caps {
-        cells: 1 << 14,
-        answers: 8,
-        samples: 2_000,
-        pieces: 2_000,
-        channels: 500,
-        channel_steps: 1 << 16,
-        junctions: 2_000,
-        route_steps: 1 << 14,
-        ..Caps::default()
-    }
-}
 
 thread_local! {
     /// A planner's memory, which outlives its requests.
@@ -69,14 +56,6 @@ pub fn message(bytes: &[u8]) {
         assert_eq!(codec::encode(&back), again);
         let _ = ReplyAssembler::default().push(part);
     }
-}
-
-/// The first `count` bytes, followed by zeros if there are fewer; and the rest, in whole cells.
-pub(crate) fn split(bytes: &[u8], count: usize) -> (Vec<u8>, Vec<u8>) {
-    let (head, rest) = bytes.split_at(count.min(bytes.len()));
-    let mut head = head.to_vec();
-    head.resize(count, 0);
-    (head, rest[..rest.len() / 8 * 8].to_vec())
 }
 
 /// Takes the parts of a reply as a client would.

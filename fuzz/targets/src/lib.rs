@@ -7,6 +7,8 @@
 
 mod border;
 mod floor_plan;
+mod limits;
+mod memory;
 mod mutate;
 mod recording;
 mod reply;

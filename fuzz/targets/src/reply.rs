@@ -5,7 +5,8 @@ use schemas::json;
 use schemas::message::{Refusal, Reply, ReplyAssembler, Trajectory};
 use schemas::wire::ReplyHeader;
 
-use crate::border::{small_caps, split};
+use crate::limits::small_caps;
+use crate::memory::split;
 
 /// The most memory that a reply may take here, bytes.
 const MOST_BYTES: usize = 1 << 20;

@@ -4,7 +4,7 @@ use schemas::convert;
 use schemas::json;
 use schemas::message::{Request, RequestContent, RequestKey, SceneRequest};
 
-use crate::border::small_caps;
+use crate::limits::small_caps;
 use crate::reply::check_reply;
 
 /// A scene in JSON.

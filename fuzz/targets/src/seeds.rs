@@ -14,7 +14,7 @@ use schemas::message::{
 };
 use schemas::wire::{ReplyHeader, RequestHeader};
 
-use crate::border::small_caps;
+use crate::limits::small_caps;
 
 type Seeds = Vec<(String, Vec<u8>)>;
 

@@ -4,9 +4,9 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 
-use integration_tests::{root, scene};
-use schemas::message::{Reply, Request, RequestContent, RequestKey, SceneRequest};
+use integration_tests::root;
 
+use crate::pictures::picture;
 use crate::{Error, figures, tables};
 
 /// A generated file, or one with a generated block.
@@ -48,6 +48,7 @@ pub(crate) const FILES: &[File] = &[
     whole("docs/figures/solids.svg", figures::solids::figure),
     whole("docs/figures/table-1.svg", figures::table_1::figure),
     whole("docs/figures/tangents.svg", figures::tangents::figure),
+    whole("schemas/src/wire/layout.txt", schemas::wire::layout_text),
 ];
 
 impl File {
@@ -104,19 +105,6 @@ pub(crate) fn write(path: &str, bytes: &[u8]) -> Result<(), Error> {
     let written =
         path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(&path, bytes));
     written.map_err(|cause| Error::Write { path, cause })
-}
-
-/// Plans a scene in this process.
-pub(crate) fn planned(scene: &SceneRequest) -> Reply {
-    let content = RequestContent::Scene(scene.clone());
-    let request = Request { key: RequestKey::default(), sent_ns: 0, content };
-    answer::reply_to(&request, &answer::Caps::default())
-}
-
-/// A scene with its answers.
-fn picture(name: &str) -> String {
-    let scene = scene(name);
-    render::picture::draw(&scene, &planned(&scene))
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 mod corpora;
 mod figures;
 mod files;
+mod pictures;
+mod planned;
 mod recordings;
 mod tables;
 

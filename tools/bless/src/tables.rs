@@ -5,7 +5,7 @@ use std::fmt::Write;
 use integration_tests::scene;
 use schemas::message::{Curve, Trajectory};
 
-use crate::files::planned;
+use crate::planned::planned;
 
 /// `docs/driving.md`: length and clearances of the two worked corridors at each gap.
 pub(crate) fn corridors() -> String {

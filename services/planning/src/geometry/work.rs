@@ -28,7 +28,7 @@ pub(crate) fn check_n_log_n(
 ) {
     for size in sizes {
         let (n, looks) = work(*size);
-        let most = factor * n as f64 * (n as f64).log2();
+        let most = factor * n as f64 * libm::log2(n as f64);
         assert!(looks as f64 <= most, "{looks} looks at {n} things, more than {most:.0}");
         // A factor that is too generous would prove nothing.
         assert!(looks as f64 >= most / 3.0, "{looks} looks at {n} things, {most:.0} allowed");

@@ -276,12 +276,12 @@ proptest! {
     fn count_is_exact_where_numbers_end(
         legs in any_drive(), exponent in -9..12_i32, step in -12..3_i32, by_time in any::<bool>(),
     ) {
-        let limit = 10_f64.powi(exponent);
+        let limit = libm::exp10(exponent.into());
         let limits = Limits::new(limit, (1.0 / limit).max(1e-9), 1.0, 1.0, 1.0).unwrap();
         let profile = planned(&legs, &limits, Stops::AtTurns);
         let size = if by_time { profile.duration() } else { profile.length() };
         prop_assume!(size > 0.0);
-        let step = size * 10_f64.powi(step);
+        let step = size * libm::exp10(step.into());
         let sampling =
             if by_time { Sampling::period(step) } else { Sampling::spacing(step) }.unwrap();
         let samples = profile.samples(&legs, sampling);
