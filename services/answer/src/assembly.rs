@@ -9,7 +9,7 @@ use planning::disassembly;
 use planning::free_space::End;
 use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
-use planning::route::{Motion, Router, Translating};
+use planning::route::{BodyMover, Mover, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{self, Gap, Refusal, SceneRequest, Task};
@@ -38,7 +38,7 @@ pub(crate) struct Assembly<const D: usize> {
 #[derive(Debug, Default)]
 struct Memory<const D: usize> {
     complement: Complement<D>,
-    router: Router<D, Translating<D>>,
+    router: Router<D, BodyMover<D>>,
     gaps: Vec<Vector<D>>,
     course: Course<D>,
     /// Of several exits, the best so far.
@@ -183,7 +183,7 @@ impl<'a, const D: usize> Terms<'a, D> {
             return Ok(space);
         };
         if let Err(refusal) = check::mouth(axes, space.channels(), made.bounds(), exit) {
-            let mover = Translating::new(body.bounds(), disassembly::Gap::Safest, End::Exit(exit));
+            let mover = BodyMover::new(body.bounds(), disassembly::Gap::Safest, End::Exit(exit));
             return Err(match mover {
                 Ok(mover) if explain == Explain::Fully => {
                     cut.refuse_mouth(made, axes, refusal, mover.traveller(), resources)
@@ -281,7 +281,7 @@ impl<'a, const D: usize> AssemblyJob<'a, D> {
                 .follow_all(space.channels(), body, exit, budget)
                 .map_err(|error| refuse::chain(axes, error).whole())?,
             Some(graph) => {
-                let mut mover = Translating::new(body.bounds(), gap, End::Exit(exit))
+                let mut mover = BodyMover::new(body.bounds(), gap, End::Exit(exit))
                     .map_err(|error| refuse::route(axes, wish.field(), error))?;
                 if let Err(error) = router.find(graph, &mut mover, budget) {
                     let error = (wish.field(), error);

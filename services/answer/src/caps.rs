@@ -1,6 +1,6 @@
 //! What one request may cost.
 
-use planning::budget::Limits;
+use planning::budget::Allowance;
 use schemas::message::Refusal;
 use serde::Deserialize;
 
@@ -85,10 +85,10 @@ impl Caps {
     }
 
     /// What a request's budget begins with.
-    pub fn limits(&self) -> Limits {
+    pub fn limits(&self) -> Allowance {
         let Self { steps, bytes, pieces, channels, channel_steps, junctions, route_steps, .. } =
             *self;
-        Limits {
+        Allowance {
             steps,
             bytes,
             pieces: pieces as u64,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use planning::driving::limits;
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::Vector;
-use planning::route::{self, Judgement, Motion, RouteError, Router};
+use planning::route::{self, Judgement, Mover, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{ErrorCode, Refusal, SceneRequest};
@@ -35,7 +35,7 @@ pub(crate) struct Driving {
 #[derive(Debug, Default)]
 struct Memory {
     complement: Complement<2>,
-    router: Router<2, route::Driving>,
+    router: Router<2, route::RobotMover>,
     course: Course,
     /// For a course that is tried.
     spare: Course,

@@ -3,8 +3,8 @@
 use divan::{Bencher, black_box};
 use planning::budget::Budget;
 use planning::clearance::Clearance;
-use planning::clearance::translating::{Body, translating_clearance};
-use planning::disassembly::{Gap, Path, disassemble};
+use planning::clearance::translating::{Body, clearance_body_legs};
+use planning::disassembly::{DisassemblyPath, Gap, disassemble};
 use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
@@ -59,7 +59,7 @@ fn stairs(count: usize) -> Scene {
 #[derive(Default)]
 struct Memory {
     chain: Chain<2>,
-    path: Path<2>,
+    path: DisassemblyPath<2>,
     walls: Walls<2>,
     complement: Complement<2>,
     each: Vec<Clearance<2>>,
@@ -85,7 +85,7 @@ impl Memory {
     fn clearance(&mut self, scene: &Scene) -> f64 {
         let body = Body::from_box(&scene.body);
         let legs = self.path.legs();
-        translating_clearance(&body, &self.walls, legs, &mut self.each, &Budget::default())
+        clearance_body_legs(&body, &self.walls, legs, &mut self.each, &Budget::default())
             .expect("no limit")
             .expect("there are walls")
             .value

@@ -5,7 +5,7 @@ use divan::{Bencher, black_box};
 use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::driving::{
-    Corner, Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, drive, route, safest,
+    Corner, CornerGaps, Drive, DrivingPath, Goal, Pose, StartTurn, corners_of, drive, route, safest,
 };
 use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
@@ -80,9 +80,9 @@ impl Scene {
 #[divan::bench(args = [10, 20, 100, 1000, 10_000])]
 fn legs(bencher: Bencher<'_, '_>, corners: usize) {
     let scene = serpentine(corners);
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     bencher.counter(ItemsCount::new(corners)).bench_local(|| {
-        route(black_box(&scene.task()), Gaps::Uniform(0.6), &mut path, &Budget::default())
+        route(black_box(&scene.task()), CornerGaps::Uniform(0.6), &mut path, &Budget::default())
             .expect("a way");
         path.length()
     });
@@ -91,9 +91,9 @@ fn legs(bencher: Bencher<'_, '_>, corners: usize) {
 #[divan::bench(args = [10, 20, 100, 1000, 10_000])]
 fn legs_and_clearance(bencher: Bencher<'_, '_>, corners: usize) {
     let scene = serpentine(corners);
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     bencher.counter(ItemsCount::new(corners)).bench_local(|| {
-        drive(black_box(&scene.task()), Gaps::Uniform(0.6), &mut path, &Budget::default())
+        drive(black_box(&scene.task()), CornerGaps::Uniform(0.6), &mut path, &Budget::default())
             .expect("a way");
         path.clearance()
     });
@@ -102,7 +102,7 @@ fn legs_and_clearance(bencher: Bencher<'_, '_>, corners: usize) {
 #[divan::bench(args = [20, 10_000])]
 fn safest_gap(bencher: Bencher<'_, '_>, corners: usize) {
     let scene = serpentine(corners);
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     bencher.counter(ItemsCount::new(corners)).bench_local(|| {
         safest(black_box(&scene.task()), &mut path, &Budget::default()).expect("a way")
     });
@@ -118,7 +118,7 @@ fn safest_gap_beside_a_pillar(bencher: Bencher<'_, '_>) {
             .expect("a pillar"),
     );
     scene.walls.index(&Budget::default()).expect("no limit");
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     bencher.bench_local(|| {
         safest(black_box(&scene.task()), &mut path, &Budget::default()).expect("a way")
     });

@@ -6,14 +6,16 @@ use divan::{Bencher, black_box};
 use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::disassembly::{self, Gap, disassemble};
-use planning::driving::{self, Drive, Gaps, Goal, Pose, StartTurn, corners_of, drive, limits};
+use planning::driving::{
+    self, CornerGaps, Drive, Goal, Pose, StartTurn, corners_of, drive, limits,
+};
 use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
 use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
-use planning::route::{self, Judgement, Motion, Router, Translating};
+use planning::route::{self, BodyMover, Judgement, Mover, Router};
 
 #[path = "../src/section_4.rs"]
 mod section_4;
@@ -99,7 +101,7 @@ fn section_4(bencher: Bencher<'_, '_>) {
     let (mut graph, mut router) = (Graph::default(), Router::default());
     bencher.bench_local(|| {
         graph.build(black_box(&channels), &Budget::default()).expect("a graph");
-        let body = Translating::new(&male, Gap::Uniform(0.2), End::Exit(UP));
+        let body = BodyMover::new(&male, Gap::Uniform(0.2), End::Exit(UP));
         router.find(&graph, &mut body.expect("a body"), &Budget::default()).expect("a route");
         router.length()
     });
@@ -115,7 +117,7 @@ fn graph(bencher: Bencher<'_, '_>, count: usize) {
 
 #[divan::bench(sample_count = 10, args = SIZES)]
 fn route_to_the_mouth(bencher: Bencher<'_, '_>, count: usize) {
-    let body = Translating::new(&space([-0.5; 2], [0.5; 2]), Gap::Uniform(0.2), End::Exit(UP));
+    let body = BodyMover::new(&space([-0.5; 2], [0.5; 2]), Gap::Uniform(0.2), End::Exit(UP));
     route(bencher, &streets(count), body.expect("a body"));
 }
 
@@ -126,15 +128,15 @@ fn route_of_a_robot_to_the_far_corner(bencher: Bencher<'_, '_>, count: usize) {
     route(
         bencher,
         &channels,
-        route::Driving::new(Vector::zeros(), goal, Vector::repeat(1.5), (1.0, 0.2)),
+        route::RobotMover::new(Vector::zeros(), goal, Vector::repeat(1.5), (1.0, 0.2)),
     );
 }
 
-fn route(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>], mut motion: impl Motion<2>) {
+fn route(bencher: Bencher<'_, '_>, channels: &[AxisBox<2>], mut mover: impl Mover<2>) {
     let (mut graph, mut router) = (Graph::default(), Router::default());
     graph.build(channels, &Budget::default()).expect("a graph");
     bencher.counter(ItemsCount::new(channels.len())).bench_local(|| {
-        router.find(&graph, black_box(&mut motion), &Budget::default()).expect("a route");
+        router.find(&graph, black_box(&mut mover), &Budget::default()).expect("a route");
         router.length()
     });
 }
@@ -324,12 +326,12 @@ struct Planner {
     solids: Solids<2>,
     channels: Vec<AxisBox<2>>,
     graph: Graph<2>,
-    router: Router<2, route::Driving>,
+    router: Router<2, route::RobotMover>,
     travelled: Vec<AxisBox<2>>,
     chain: Chain<2>,
     corners: Vec<driving::Corner>,
     walls: Walls<2>,
-    path: driving::Path,
+    path: driving::DrivingPath,
 }
 
 impl Planner {
@@ -351,7 +353,7 @@ impl Planner {
         self.graph.build(&self.channels, &Budget::default()).expect("a graph");
         let needs = Vector::repeat(limits::outer_radius(&footprint, gap));
         let sides = (footprint.width(), gap);
-        let mut robot = route::Driving::new(start.position, goal.position, needs, sides);
+        let mut robot = route::RobotMover::new(start.position, goal.position, needs, sides);
         let Self { channels, graph, router, travelled, chain, corners, walls, path, .. } = self;
         let found =
             router.find_judged(graph, Some(walls), &mut robot, &Budget::default(), |route, _| {
@@ -371,7 +373,7 @@ impl Planner {
                     corners,
                     walls,
                 };
-                match drive(&task, Gaps::Uniform(gap), path, &Budget::default()) {
+                match drive(&task, CornerGaps::Uniform(gap), path, &Budget::default()) {
                     Ok(()) => {
                         Ok(Judgement::Accepted { length: path.length(), value: path.length() })
                     }
@@ -408,7 +410,7 @@ fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
         Polygon::new(FEMALE.map(Vector::from).to_vec(), &Budget::default()).expect("a polygon");
     let male = space(MALE[0], MALE[1]);
     let (mut planner, mut router) = (Planner::default(), Router::default());
-    let (mut path, gap) = (disassembly::Path::default(), Gap::Uniform(0.2));
+    let (mut path, gap) = (disassembly::DisassemblyPath::default(), Gap::Uniform(0.2));
     bencher.bench_local(|| {
         let Planner { solids, channels, graph, travelled, chain, .. } = &mut planner;
         solids.clear();
@@ -416,7 +418,7 @@ fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
         let cavity = solids.cavity(&male, UP).expect("a cavity");
         solids.channels(&cavity, &male.size(), &Budget::default(), channels).expect("channels");
         graph.build(channels, &Budget::default()).expect("a graph");
-        let mut body = Translating::new(&male, gap, End::Exit(UP)).expect("a body");
+        let mut body = BodyMover::new(&male, gap, End::Exit(UP)).expect("a body");
         router.find(graph, &mut body, &Budget::default()).expect("a route");
         travelled.clear();
         travelled.extend(router.route().iter().map(|channel| channels[*channel]));

@@ -6,8 +6,8 @@
 use std::error::Error;
 
 use planning::budget::Budget;
-use planning::clearance::translating::{Body, translating_clearance};
-use planning::disassembly::{Gap, Path, disassemble};
+use planning::clearance::translating::{Body, clearance_body_legs};
+use planning::disassembly::{DisassemblyPath, Gap, disassemble};
 use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
 use planning::free_space::walls::Walls;
@@ -15,7 +15,7 @@ use planning::free_space::{Chain, End};
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign};
 use planning::motion::Curve;
-use planning::route::{Router, Translating};
+use planning::route::{BodyMover, Router};
 use planning::trajectory::{Limits, Profile, Stops};
 
 /// The outline of the female part, in (x, z), metres.
@@ -60,17 +60,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     for (name, gap) in [("a gap of 0.2 m", Gap::Uniform(0.2)), ("the safest gap", Gap::Safest)] {
         let mut router = Router::default();
-        let mut body = Translating::new(&male, gap, End::Exit(exit))?;
+        let mut body = BodyMover::new(&male, gap, End::Exit(exit))?;
         router.find(&graph, &mut body, budget)?;
         let travelled: Vec<_> = router.route().iter().map(|index| channels[*index]).collect();
 
-        let (mut chain, mut path) = (Chain::default(), Path::default());
+        let (mut chain, mut path) = (Chain::default(), DisassemblyPath::default());
         chain.build(&travelled, &male.center(), End::Exit(exit), budget)?;
         disassemble(&chain, &male, gap, &mut path, budget)?;
 
         let body = Body::from_box(&male);
         let mut each = Vec::new();
-        let clearance = translating_clearance(&body, &walls, path.legs(), &mut each, budget)?;
+        let clearance = clearance_body_legs(&body, &walls, path.legs(), &mut each, budget)?;
         let clearance = clearance.ok_or("there are no walls")?;
         let mut profile = Profile::default();
         profile.plan(path.legs(), &Limits::default(), Stops::EveryLeg, budget)?;

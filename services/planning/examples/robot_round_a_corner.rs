@@ -8,7 +8,9 @@ use std::f64::consts::FRAC_PI_2;
 use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::driving::limits::{balanced_gap, greatest_gap, least_width};
-use planning::driving::{Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, drive, safest};
+use planning::driving::{
+    CornerGaps, Drive, DrivingPath, Goal, Pose, StartTurn, corners_of, drive, safest,
+};
 use planning::free_space::walls::{Complement, Walls};
 use planning::free_space::{Chain, End};
 use planning::geometry::AxisBox;
@@ -56,12 +58,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         corners: &corners,
         walls: &walls,
     };
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     let best = safest(&task, &mut path, budget)?;
     println!("\n   gap, m  length, m  clearance in the turn, m");
     for quarters in 1..=4 {
         let gap = best * f64::from(quarters) / 4.0;
-        drive(&task, Gaps::Uniform(gap), &mut path, budget)?;
+        drive(&task, CornerGaps::Uniform(gap), &mut path, budget)?;
         let turning = path.turning().ok_or("there are no walls")?;
         println!("{gap:9.4} {:10.4} {:13.4}", path.length(), turning.value);
     }

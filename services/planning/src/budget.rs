@@ -1,8 +1,8 @@
 //! What one request may cost: steps, bytes, and a flag that stops it.
 //!
 //! Every loop whose length depends on a request draws from the request's one [`Budget`], so
-//! no request takes longer, or more memory, than its [`Limits`] allow. Counting is part of the
-//! result: the same request under the same limits is cut short at the same place, on every
+//! no request takes longer, or more memory, than its [`Allowance`]. Counting is part of the
+//! result: the same request under the same allowance is cut short at the same place, on every
 //! machine. Only the flag, which a process sets for a deadline, a client that left or its own
 //! shutdown, depends on the clock; what it stops is never an answer.
 
@@ -33,7 +33,7 @@ pub enum Cap {
 impl Cap {
     const COUNT: usize = 7;
 
-    /// Its name in [`Limits`], and in the planner's configuration.
+    /// Its name in [`Allowance`], and in the planner's configuration.
     pub fn name(self) -> &'static str {
         match self {
             Self::Steps => "steps",
@@ -62,7 +62,7 @@ impl Cap {
 
 /// The most of each kind that a request may draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
+pub struct Allowance {
     /// See [`Cap::Steps`].
     pub steps: u64,
     /// See [`Cap::Bytes`].
@@ -79,7 +79,7 @@ pub struct Limits {
     pub route_steps: u64,
 }
 
-impl Limits {
+impl Allowance {
     /// No limits, for benches and for callers who know their scenes.
     pub const NONE: Self = Self {
         steps: u64::MAX,
@@ -124,7 +124,7 @@ pub enum Spent {
 /// What is left of a request's limits.
 #[derive(Debug)]
 pub struct Budget<'a> {
-    limits: Limits,
+    limits: Allowance,
     drawn: [Cell<u64>; Cap::COUNT],
     /// The most bytes held at a time since the last [`Budget::measure`] began.
     peak: Cell<u64>,
@@ -185,13 +185,13 @@ const STEPS_PER_LOOK: u64 = 1 << 10;
 
 impl Default for Budget<'_> {
     fn default() -> Self {
-        Self::new(Limits::NONE)
+        Self::new(Allowance::NONE)
     }
 }
 
 impl<'a> Budget<'a> {
     /// A whole budget that nothing stops.
-    pub fn new(limits: Limits) -> Self {
+    pub fn new(limits: Allowance) -> Self {
         Self {
             limits,
             drawn: Default::default(),
@@ -202,12 +202,12 @@ impl<'a> Budget<'a> {
     }
 
     /// A whole budget that ends when `stop` is set.
-    pub fn with_stop(limits: Limits, stop: &'a AtomicBool) -> Self {
+    pub fn with_stop(limits: Allowance, stop: &'a AtomicBool) -> Self {
         Self { stop: Some(stop), ..Self::new(limits) }
     }
 
     /// The limits it began with.
-    pub fn limits(&self) -> &Limits {
+    pub fn allowance(&self) -> &Allowance {
         &self.limits
     }
 
@@ -323,8 +323,8 @@ impl<'a> Budget<'a> {
 mod tests {
     use super::*;
 
-    fn limits() -> Limits {
-        Limits { steps: 5_000, route_steps: 100, bytes: 64, ..Limits::NONE }
+    fn limits() -> Allowance {
+        Allowance { steps: 5_000, route_steps: 100, bytes: 64, ..Allowance::NONE }
     }
 
     #[test]
@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn a_set_flag_ends_a_loop_soon() {
         let stop = AtomicBool::new(false);
-        let budget = Budget::with_stop(Limits::NONE, &stop);
+        let budget = Budget::with_stop(Allowance::NONE, &stop);
         budget.step(1).unwrap();
         stop.store(true, Ordering::Relaxed);
         let steps = (0..).find(|_| budget.step(1).is_err()).unwrap();

@@ -4,7 +4,7 @@
 //! `table.rs`; [`disassemble`] applies it junction by junction.
 
 use crate::budget::{Budget, Spent};
-use crate::free_space::{Chain, Corner};
+use crate::free_space::{Chain, Junction};
 use crate::geometry::{AxisBox, HalfSpace, Sign, Vector};
 use crate::motion::{Curve, Leg, Rule};
 use table::{Margin, turn_in};
@@ -103,14 +103,14 @@ pub enum DisassemblyError {
 /// A path of translations and the gaps it keeps. Reusable memory for [`disassemble`];
 /// unspecified after an error.
 #[derive(Debug, Clone, Default)]
-pub struct Path<const D: usize> {
+pub struct DisassemblyPath<const D: usize> {
     limits: Vec<Vector<D>>,
     gaps: Vec<Vector<D>>,
     legs: Vec<Leg<D>>,
     length: f64,
 }
 
-impl<const D: usize> Path<D> {
+impl<const D: usize> DisassemblyPath<D> {
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
         let vectors = self.limits.capacity() + self.gaps.capacity();
@@ -123,7 +123,7 @@ impl<const D: usize> Path<D> {
     }
 
     /// The gap per junction and axis, metres; in the order of disassembly even after
-    /// [`Path::reverse`].
+    /// [`DisassemblyPath::reverse`].
     pub fn gaps(&self) -> &[Vector<D>] {
         &self.gaps
     }
@@ -154,7 +154,7 @@ impl<const D: usize> Path<D> {
 ///
 /// ```
 /// use planning::budget::Budget;
-/// use planning::disassembly::{Gap, Path, disassemble};
+/// use planning::disassembly::{DisassemblyPath, Gap, disassemble};
 /// use planning::free_space::{Chain, End};
 /// use planning::geometry::{AxisBox, Direction, Sign, Vector};
 ///
@@ -167,7 +167,7 @@ impl<const D: usize> Path<D> {
 ///     space([1.0, 2.0], [5.0, 7.0])?,
 /// ];
 /// let (up, budget) = (Direction { axis: 1, sign: Sign::Positive }, Budget::default());
-/// let (mut chain, mut path) = (Chain::default(), Path::default());
+/// let (mut chain, mut path) = (Chain::default(), DisassemblyPath::default());
 /// chain.build(&channels, &male.center(), End::Exit(up), &budget)?;
 /// disassemble(&chain, &male, Gap::Uniform(0.2), &mut path, &budget)?;
 ///
@@ -184,7 +184,7 @@ pub fn disassemble<const D: usize>(
     chain: &Chain<D>,
     body: &AxisBox<D>,
     gap: Gap<'_, D>,
-    path: &mut Path<D>,
+    path: &mut DisassemblyPath<D>,
     budget: &Budget<'_>,
 ) -> Result<(), DisassemblyError> {
     budget.step(chain.channels().len() as u64)?;
@@ -198,11 +198,11 @@ pub fn disassemble<const D: usize>(
     path.legs.clear();
     let centered = matches!(gap, Gap::Safest) || gap == Gap::Fraction(1.0);
     let mut from = Vector::zeros();
-    for (index, (corner, gap)) in chain.corners().iter().zip(&path.gaps).enumerate() {
+    for (index, (junction, gap)) in chain.junctions().iter().zip(&path.gaps).enumerate() {
         let gap = if centered { None } else { Some(gap) };
-        let (to, rule) = target(corner, (&body.min(), &body.max()), gap, &from);
-        let (junction, rule) = (Some(index), Some(rule));
-        path.legs.push(Leg { curve: Curve::translation(from, to), junction, rule });
+        let (to, rule) = target(junction, (&body.min(), &body.max()), gap, &from);
+        let curve = Curve::translation(from, to);
+        path.legs.push(Leg { curve, junction: Some(index), rule: Some(rule) });
         from = to;
     }
     let to = out_of_the_mouth((&body.min(), &body.max()), &mouth, from);
@@ -211,28 +211,28 @@ pub fn disassemble<const D: usize>(
     Ok(())
 }
 
-/// Where the rule for a corner puts a body that comes from the displacement `from`, and the
+/// Where the rule for a junction puts a body that comes from the displacement `from`, and the
 /// rule. The body is given by its least and greatest corner in the assembled state; `gap`
 /// is `None` for the limit in (3.1).
 pub(crate) fn target<const D: usize>(
-    corner: &Corner<D>,
+    junction: &Junction<D>,
     (body_min, body_max): (&Vector<D>, &Vector<D>),
     gap: Option<&Vector<D>>,
     from: &Vector<D>,
 ) -> (Vector<D>, Rule) {
-    let turn = turn_in::<D>(corner.approach, corner.leaving);
-    let junction = &corner.junction;
+    let turn = turn_in::<D>(junction.approach, junction.leaving);
+    let space = &junction.space;
     let Some(gap) = gap else {
         // At the limit in (3.1) both margins mean the middle. Computed directly, it does not
         // suffer from rounding, and legs along an axis stay exactly so.
-        return (junction.center() - (body_min + body_max) / 2.0, turn.rule);
+        return (space.center() - (body_min + body_max) / 2.0, turn.rule);
     };
     let mut to = *from;
     for axis in 0..D {
         // (3.3), from the assembled state: the body's least side at the least margin, or its
         // greatest side at the greatest margin.
-        let least = junction.min()[axis] + gap[axis] - body_min[axis];
-        let greatest = junction.max()[axis] - gap[axis] - body_max[axis];
+        let least = space.min()[axis] + gap[axis] - body_min[axis];
+        let greatest = space.max()[axis] - gap[axis] - body_max[axis];
         to[axis] = if axis == turn.horizontal.0 {
             turn.horizontal.1.choose(least, greatest)
         } else if axis == turn.vertical.0 {
@@ -297,13 +297,18 @@ fn find_limits<const D: usize>(
 ) -> Result<(), DisassemblyError> {
     let size = body.size();
     limits.clear();
-    for (junction, corner) in chain.corners().iter().enumerate() {
-        let space = corner.junction.size();
+    for (index, junction) in chain.junctions().iter().enumerate() {
+        let space = junction.space.size();
         for axis in 0..D {
             let (needs, has) = (size[axis], space[axis]);
             // (2.5)
             if has <= needs {
-                return Err(DisassemblyError::JunctionTooSmall { junction, axis, needs, has });
+                return Err(DisassemblyError::JunctionTooSmall {
+                    junction: index,
+                    axis,
+                    needs,
+                    has,
+                });
             }
         }
         limits.push((space - size) / 2.0);

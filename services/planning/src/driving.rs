@@ -10,7 +10,7 @@
 //! use std::f64::consts::FRAC_PI_2;
 //! use planning::budget::Budget;
 //! use planning::clearance::rectangle::Footprint;
-//! use planning::driving::{Drive, Gaps, Goal, Path, Pose, StartTurn, corners_of, drive};
+//! use planning::driving::{CornerGaps, Drive, DrivingPath, Goal, Pose, StartTurn, corners_of, drive};
 //! use planning::free_space::walls::{Complement, Walls};
 //! use planning::free_space::{Chain, End};
 //! use planning::geometry::AxisBox;
@@ -29,8 +29,8 @@
 //! let footprint = Footprint::new(1.0, 1.5)?;
 //! let (start_turn, corners, walls) = (StartTurn::InPlace, &corners[..], &walls);
 //! let task = Drive { footprint, start, goal, start_turn, first, last, corners, walls };
-//! let mut path = Path::default();
-//! drive(&task, Gaps::Uniform(0.5), &mut path, &budget)?;
+//! let mut path = DrivingPath::default();
+//! drive(&task, CornerGaps::Uniform(0.5), &mut path, &budget)?;
 //!
 //! // 5 m up, a quarter of the guiding circle of radius 1 m about (3, 7), and 7 m to the right.
 //! let lengths: Vec<_> = path.legs().iter().map(|leg| leg.curve.length()).collect();
@@ -99,14 +99,14 @@ pub enum StartTurn {
 /// The gap between the robot's side and the corners that it turns about (gap_r in equation
 /// 5.1), metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Gaps<'a> {
+pub enum CornerGaps<'a> {
     /// One gap for all corners.
     Uniform(f64),
     /// One gap per corner, in travel order.
     PerCorner(&'a [f64]),
 }
 
-impl Gaps<'_> {
+impl CornerGaps<'_> {
     /// The gap at a corner, metres.
     pub fn at(&self, corner: usize) -> f64 {
         match self {
@@ -163,7 +163,7 @@ fn range(channel: &AxisBox<2>, along: Direction) -> (f64, f64) {
 /// Refills `corners` with those of a chain, in travel order.
 pub fn corners_of(chain: &Chain<2>, corners: &mut Vec<Corner>) {
     corners.clear();
-    let pairs = chain.channels().windows(2).zip(chain.corners());
+    let pairs = chain.channels().windows(2).zip(chain.junctions());
     corners.extend(pairs.map(|(pair, corner)| {
         Corner::new(&pair[0], &pair[1], corner.approach, corner.leaving)
             .expect("consecutive channels of a chain overlap and have different axes")
@@ -193,7 +193,7 @@ pub struct Drive<'a> {
 
 /// A path for the robot. Reusable memory, refilled by every call.
 #[derive(Debug, Clone, Default)]
-pub struct Path {
+pub struct DrivingPath {
     legs: Vec<Leg<2>>,
     leg_clearances: Vec<f64>,
     length: f64,
@@ -203,7 +203,7 @@ pub struct Path {
     kept: Vec<bool>,
 }
 
-impl Path {
+impl DrivingPath {
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
         self.legs.capacity() * size_of::<Leg<2>>()
@@ -234,7 +234,7 @@ impl Path {
 
     /// The clearance from the first arriving point to the last leaving point, which depends
     /// on the gap; over the whole motion if there is no arc. `at` counts from the start of
-    /// the motion. `None` as for [`Path::clearance`].
+    /// the motion. `None` as for [`DrivingPath::clearance`].
     pub fn turning(&self) -> Option<Clearance<2>> {
         self.turning
     }
@@ -247,8 +247,8 @@ const CONTACT: f64 = 1e-12;
 /// touch a wall.
 pub fn drive(
     drive: &Drive<'_>,
-    gaps: Gaps<'_>,
-    path: &mut Path,
+    gaps: CornerGaps<'_>,
+    path: &mut DrivingPath,
     budget: &Budget<'_>,
 ) -> Result<(), DrivingError> {
     route(drive, gaps, path, budget)?;
@@ -288,11 +288,11 @@ pub fn drive(
 /// A robot that is at its goal already turns in place by nothing: one leg.
 pub fn route(
     drive: &Drive<'_>,
-    gaps: Gaps<'_>,
-    path: &mut Path,
+    gaps: CornerGaps<'_>,
+    path: &mut DrivingPath,
     budget: &Budget<'_>,
 ) -> Result<(), DrivingError> {
-    let Path { legs, leg_clearances, length, clearance, turning, knots, kept } = path;
+    let DrivingPath { legs, leg_clearances, length, clearance, turning, knots, kept } = path;
     legs.clear();
     leg_clearances.clear();
     (*length, *clearance, *turning) = (0.0, None, None);

@@ -23,9 +23,9 @@ pub enum End<const D: usize> {
 
 /// A junction and the two directions in which it is passed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Corner<const D: usize> {
+pub struct Junction<const D: usize> {
     /// `J_i`, the common part of two consecutive channels (equation 2.4).
-    pub junction: AxisBox<D>,
+    pub space: AxisBox<D>,
     /// The direction of travel towards it, along the axis of the channel before.
     pub approach: Direction,
     /// The direction of travel away from it, along the axis of the channel after.
@@ -90,7 +90,7 @@ pub enum ChainError {
 /// chain.build(&channels, &[5.745, 2.505].into(), End::Exit(up), &Budget::default())?;
 /// // Up, to the left, and up.
 /// assert_eq!(chain.axes(), [1, 0, 1]);
-/// assert_eq!(chain.corners()[0].leaving, Direction { axis: 0, sign: Sign::Negative });
+/// assert_eq!(chain.junctions()[0].leaving, Direction { axis: 0, sign: Sign::Negative });
 /// assert_eq!(chain.mouth().expect("there is an exit").bound, 7.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -100,7 +100,7 @@ pub struct Chain<const D: usize> {
     axes: Vec<usize>,
     /// The possible axes of every channel, as bits.
     possible: Vec<u8>,
-    corners: Vec<Corner<D>>,
+    junctions: Vec<Junction<D>>,
     exit: Option<Direction>,
 }
 
@@ -110,7 +110,7 @@ impl<const D: usize> Chain<D> {
         self.channels.capacity() * size_of::<AxisBox<D>>()
             + self.axes.capacity() * size_of::<usize>()
             + self.possible.capacity()
-            + self.corners.capacity() * size_of::<Corner<D>>()
+            + self.junctions.capacity() * size_of::<Junction<D>>()
     }
 
     /// Makes the junctions of `channels` (equation 2.4) and finds the directions in which
@@ -149,8 +149,8 @@ impl<const D: usize> Chain<D> {
     }
 
     /// The junctions, in travel order, one fewer than there are channels.
-    pub fn corners(&self) -> &[Corner<D>] {
-        &self.corners
+    pub fn junctions(&self) -> &[Junction<D>] {
+        &self.junctions
     }
 
     /// The direction in which the last channel is travelled.
@@ -168,7 +168,7 @@ impl<const D: usize> Chain<D> {
         self.channels.clear();
         self.axes.clear();
         self.possible.clear();
-        self.corners.clear();
+        self.junctions.clear();
         self.exit = None;
     }
 
@@ -184,29 +184,29 @@ impl<const D: usize> Chain<D> {
         self.channels.extend_from_slice(channels);
         for (first, pair) in channels.windows(2).enumerate() {
             // (2.4)
-            let junction =
+            let space =
                 pair[0].intersection(&pair[1]).ok_or_else(|| apart(first, &pair[0], &pair[1]))?;
             // Directions follow once the axes are known.
             let unknown = Direction { axis: 0, sign: Sign::Positive };
-            self.corners.push(Corner { junction, approach: unknown, leaving: unknown });
+            self.junctions.push(Junction { space, approach: unknown, leaving: unknown });
         }
         self.find_axes(start, end)?;
 
         let mut from = *start;
-        for index in 0..self.corners.len() {
-            let here = self.corners[index].junction.center();
+        for index in 0..self.junctions.len() {
+            let here = self.junctions[index].space.center();
             let approach = towards(&from, &here, self.axes[index]);
             if let Some(before) = index.checked_sub(1) {
-                self.corners[before].leaving = approach;
+                self.junctions[before].leaving = approach;
             }
-            self.corners[index].approach = approach;
+            self.junctions[index].approach = approach;
             from = here;
         }
         let exit = match end {
             End::Exit(direction) => direction,
             End::Goal(goal) => towards(&from, &goal, self.axes[channels.len() - 1]),
         };
-        if let Some(last) = self.corners.last_mut() {
+        if let Some(last) = self.junctions.last_mut() {
             last.leaving = exit;
         }
         self.exit = Some(exit);
@@ -241,7 +241,7 @@ impl<const D: usize> Chain<D> {
         self.axes.resize(last + 1, 0);
         for index in (0..=last).rev() {
             let from = match index.checked_sub(1) {
-                Some(before) => self.corners[before].junction.center(),
+                Some(before) => self.junctions[before].space.center(),
                 None => *start,
             };
             let axis = longest(self.possible[index] & !after, &from, &to).unwrap_or(0);
@@ -256,10 +256,10 @@ impl<const D: usize> Chain<D> {
     /// them if there are none.
     fn candidates(&self, index: usize) -> u8 {
         let channel = &self.channels[index];
-        let before = index.checked_sub(1).and_then(|before| self.corners.get(before));
-        let after = self.corners.get(index);
-        let corners = before.into_iter().chain(after);
-        let bits = corners.fold(0, |bits, corner| bits | proper(&corner.junction, channel));
+        let before = index.checked_sub(1).and_then(|before| self.junctions.get(before));
+        let after = self.junctions.get(index);
+        let junctions = before.into_iter().chain(after);
+        let bits = junctions.fold(0, |bits, junction| bits | proper(&junction.space, channel));
         if bits == 0 { all_axes::<D>() } else { bits }
     }
 }

@@ -1,6 +1,6 @@
 //! Routes: the order in which to travel channels that are given in any order.
 //!
-//! [`Router`] searches for all movers ([`Translating`] by Table 1, [`Driving`] on guiding
+//! [`Router`] searches for all movers ([`BodyMover`] by Table 1, [`RobotMover`] on guiding
 //! circles); [`blocked`] explains why there is no route between solids.
 
 use crate::budget::{Budget, Cap, Held, Spent};
@@ -24,14 +24,14 @@ mod traveller;
 mod walk;
 mod widest;
 
-pub use blocked::{Blocked, Passage, Place, blocked};
-pub use driving::Driving;
+pub use blocked::{Blocked, Passage, Region, blocked};
+pub use driving::RobotMover;
 pub use error::RouteError;
 pub use judgement::Judgement;
 pub use label::Label;
-pub use mover::Motion;
+pub use mover::Mover;
 pub use search::Search;
-pub use translating::Translating;
+pub use translating::BodyMover;
 pub use traveller::Traveller;
 
 use label::{Ending, Entry, NONE};
@@ -70,7 +70,7 @@ const SAME_LENGTH: f64 = 1e-9;
 /// Of all sequences of channels that never turn back through the junction they came by, the
 /// route is the one whose [`Chain`](crate::free_space::Chain) has the shortest path by the
 /// rules: by [`crate::disassembly::disassemble`], the way out included, for a body
-/// ([`Translating`]), and by [`crate::driving::route`] for a robot ([`Driving`]). A channel may
+/// ([`BodyMover`]), and by [`crate::driving::route`] for a robot ([`RobotMover`]). A channel may
 /// be travelled twice if that is shorter. Ties are always decided alike: for the fewest
 /// channels, then for the lowest index where the search met them.
 ///
@@ -81,10 +81,10 @@ const SAME_LENGTH: f64 = 1e-9;
 /// before and after. So the search (A*, by the straight line to the mouth or the goal) runs over
 /// junctions with both directions and one bit: whether the channel before had a choice of axes.
 /// Thus it chooses axes as a chain does. What else the length of a path depends on, and when one
-/// way into a junction makes another useless, is up to the [`Motion`].
+/// way into a junction makes another useless, is up to the [`Mover`].
 ///
 /// A robot's route is searched for twice. The first search takes straight lines from junction to
-/// junction ([`Motion::outline`]) and is quick. The second takes the result as a bound and looks
+/// junction ([`Mover::outline`]) and is quick. The second takes the result as a bound and looks
 /// for the shortest route, within some 800,000 steps and four times those of the first. In
 /// corridors it completes. In the open, where a line passes many junctions in many orders, it may
 /// not; then the first result stands (over fields of pillars 0.2 % longer than the shortest).
@@ -101,7 +101,7 @@ const SAME_LENGTH: f64 = 1e-9;
 /// use planning::free_space::End;
 /// use planning::free_space::graph::Graph;
 /// use planning::geometry::{AxisBox, Direction, Sign};
-/// use planning::route::{Router, Translating};
+/// use planning::route::{BodyMover, Router};
 ///
 /// // Section 4's channels C_1, C_2, C_3, given in any order.
 /// let space = |min: [f64; 2], max: [f64; 2]| AxisBox::new(min.into(), max.into());
@@ -115,7 +115,7 @@ const SAME_LENGTH: f64 = 1e-9;
 ///
 /// let male = space([4.5, 1.01], [6.99, 4.0])?;
 /// let exit = End::Exit(Direction { axis: 1, sign: Sign::Positive });
-/// let mut body = Translating::new(&male, Gap::Uniform(0.2), exit)?;
+/// let mut body = BodyMover::new(&male, Gap::Uniform(0.2), exit)?;
 /// let mut router = Router::default();
 /// router.find(&graph, &mut body, &budget)?;
 /// assert_eq!(router.route(), [2, 1, 0]);
@@ -123,7 +123,7 @@ const SAME_LENGTH: f64 = 1e-9;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Router<const D: usize, M: Motion<D>> {
+pub struct Router<const D: usize, M: Mover<D>> {
     labels: Vec<Label<M::State>>,
     /// The first label of every slot.
     heads: Vec<u32>,
@@ -142,10 +142,10 @@ pub struct Router<const D: usize, M: Motion<D>> {
     route: Vec<usize>,
     length: f64,
     /// For the outline of a motion.
-    first: Option<Box<Router<D, Translating<D>>>>,
+    first: Option<Box<Router<D, BodyMover<D>>>>,
 }
 
-impl<const D: usize, M: Motion<D>> Default for Router<D, M> {
+impl<const D: usize, M: Mover<D>> Default for Router<D, M> {
     fn default() -> Self {
         Self {
             labels: Vec::new(),
@@ -180,7 +180,7 @@ enum Found<T> {
     Hopeless,
 }
 
-impl<const D: usize, M: Motion<D>> Router<D, M> {
+impl<const D: usize, M: Mover<D>> Router<D, M> {
     /// The last route found: indices of channels in travel order. Empty after an error.
     pub fn route(&self) -> &[usize] {
         &self.route
@@ -209,10 +209,10 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     pub fn find(
         &mut self,
         graph: &Graph<D>,
-        motion: &mut M,
+        mover: &mut M,
         budget: &Budget<'_>,
     ) -> Result<(), RouteError> {
-        self.find_judged(graph, None, motion, budget, |_, length| {
+        self.find_judged(graph, None, mover, budget, |_, length| {
             Ok(Judgement::Accepted { length, value: () })
         })
     }
@@ -225,13 +225,13 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         &mut self,
         graph: &Graph<D>,
         walls: Option<&Walls<D>>,
-        motion: &mut M,
+        mover: &mut M,
         budget: &Budget<'_>,
         mut judge: impl FnMut(&[usize], f64) -> Result<Judgement<T>, Spent>,
     ) -> Result<T, RouteError> {
         self.route.clear();
         self.length = 0.0;
-        let found = self.try_find((graph, walls), motion, budget, &mut judge);
+        let found = self.try_find((graph, walls), mover, budget, &mut judge);
         if found.is_err() {
             self.route.clear();
         }
@@ -241,14 +241,14 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn try_find<T>(
         &mut self,
         (graph, walls): (&Graph<D>, Option<&Walls<D>>),
-        motion: &mut M,
+        mover: &mut M,
         budget: &Budget<'_>,
         judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
         if graph.channels().is_empty() {
             return Err(RouteError::NoChannels);
         }
-        let traveller = *motion.traveller();
+        let traveller = *mover.traveller();
         budget.step(graph.channels().len() as u64)?;
         let mouth = match traveller.end {
             End::Exit(exit) => farthest(graph.channels(), exit),
@@ -262,26 +262,26 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         budget.step(slots as u64 / SLOTS_PER_STEP)?;
         self.onwards.clear();
         self.onwards.resize(slots, UNKNOWN);
-        if let Some(margin) = motion.outline() {
-            return self.find_from_outline(&search, motion, margin, judge);
+        if let Some(margin) = mover.outline() {
+            return self.find_from_outline(&search, mover, margin, judge);
         }
         if !self.is_connected(&search)? {
             return self.judge_any(&search, judge);
         }
-        self.find_shortest(&search, motion, (f64::INFINITY, usize::MAX), judge)
+        self.find_shortest(&search, mover, (f64::INFINITY, usize::MAX), judge)
     }
 
     /// Finds a route by the outline of the motion, then searches for a shorter one.
     fn find_from_outline<T>(
         &mut self,
         search: &Search<'_, D>,
-        motion: &mut M,
+        mover: &mut M,
         margin: f64,
         judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
         let budget = search.budget;
         let mut first = mem::take(&mut self.first).unwrap_or_default();
-        let mut outline = Translating::with_margin(search.traveller, margin);
+        let mut outline = BodyMover::with_margin(search.traveller, margin);
         let mut length = f64::INFINITY;
         let found = first.find_judged(search.graph, None, &mut outline, budget, |route, along| {
             Ok(match judge(route, along)? {
@@ -294,7 +294,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         });
         let effort = first.steps.saturating_mul(EFFORT).saturating_add(LEAST_EFFORT);
         let found = match found {
-            Ok(value) => match self.find_shortest(search, motion, (length, effort), judge) {
+            Ok(value) => match self.find_shortest(search, mover, (length, effort), judge) {
                 Err(RouteError::Spent(spent)) if !is_of_the_search(&spent) => Err(spent.into()),
                 // No route is shorter, or it would take too long to tell.
                 Err(_) => {
@@ -305,7 +305,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 shorter => shorter,
             },
             Err(RouteError::Blocked) => {
-                match self.find_shortest(search, motion, (f64::INFINITY, effort), judge) {
+                match self.find_shortest(search, mover, (f64::INFINITY, effort), judge) {
                     Err(RouteError::Spent(spent)) if !is_of_the_search(&spent) => Err(spent.into()),
                     shortest => shortest.map_err(|_| RouteError::Blocked),
                 }
@@ -320,7 +320,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn find_shortest<T>(
         &mut self,
         search: &Search<'_, D>,
-        motion: &mut M,
+        mover: &mut M,
         bounds: (f64, usize),
         judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
@@ -328,7 +328,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         (self.steps, self.looks, self.drawn) = (0, 0, 0);
         let is_bounded = bounds.0.is_finite();
         for blocked in 0..MOST_BLOCKED {
-            match self.search(search, motion, bounds, judge)? {
+            match self.search(search, mover, bounds, judge)? {
                 Found::Route(value) => return Ok(value),
                 Found::Blocked => {}
                 Found::Nothing if blocked == 0 && !is_bounded => {
@@ -387,7 +387,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn search<T>(
         &mut self,
         search: &Search<'_, D>,
-        motion: &mut M,
+        mover: &mut M,
         bounds: (f64, usize),
         judge: &mut Judge<'_, T>,
     ) -> Result<Found<T>, RouteError> {
@@ -396,7 +396,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         self.open.clear();
         self.heads.clear();
         self.heads.resize(search.graph.slot_count(), NONE);
-        let found = self.search_on(search, motion, bounds, judge);
+        let found = self.search_on(search, mover, bounds, judge);
         let labels = self.labels.len() * Self::BYTES_PER_LABEL;
         search.budget.release(labels + self.ends.len() * Self::BYTES_PER_ENDING);
         found
@@ -405,12 +405,12 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn search_on<T>(
         &mut self,
         search: &Search<'_, D>,
-        motion: &mut M,
+        mover: &mut M,
         (bound, effort): (f64, usize),
         judge: &mut Judge<'_, T>,
     ) -> Result<Found<T>, RouteError> {
         for index in 0..self.starts.len() {
-            self.start_in(search, motion, self.starts[index])?;
+            self.start_in(search, mover, self.starts[index])?;
         }
         // The shortest of the routes that turned out longer than in the search.
         let mut longer: Option<(u32, f64, T)> = None;
@@ -442,7 +442,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                         }
                     }
                     Judgement::Blocked(junction) => {
-                        return Ok(match motion.avoid(&self.labels, before, junction) {
+                        return Ok(match mover.avoid(&self.labels, before, junction) {
                             true => Found::Blocked,
                             false => Found::Hopeless,
                         });
@@ -453,7 +453,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             }
             let label = self.labels[entry.label as usize];
             if !label.beaten {
-                self.go_on(search, motion, entry.label, &label)?;
+                self.go_on(search, mover, entry.label, &label)?;
             }
             let steps = self.steps + self.looks / LOOKS_OF_A_STEP;
             if steps > effort {

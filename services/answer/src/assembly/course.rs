@@ -2,8 +2,8 @@
 
 use planning::budget::{Budget, Spent};
 use planning::clearance::Clearance;
-use planning::clearance::translating::{Body, translating_clearance};
-use planning::disassembly::{DisassemblyError, Gap, Path, disassemble};
+use planning::clearance::translating::{Body, clearance_body_legs};
+use planning::disassembly::{DisassemblyError, DisassemblyPath, Gap, disassemble};
 use planning::free_space::walls::Walls;
 use planning::free_space::{Chain, ChainError, End};
 use planning::geometry::{AxisBox, Direction, HalfSpace};
@@ -21,7 +21,7 @@ pub(super) struct Course<const D: usize> {
     chain: Chain<D>,
     /// The way out that the chain is for, if it is of all channels in order.
     all_to: Option<Direction>,
-    pub(super) path: Path<D>,
+    pub(super) path: DisassemblyPath<D>,
     /// Of the legs, and of the whole motion; none where there are no walls.
     pub(super) clearances: Vec<Clearance<D>>,
     pub(super) clearance: Option<Clearance<D>>,
@@ -105,7 +105,7 @@ impl<const D: usize> Course<D> {
         budget: &Budget<'_>,
     ) -> Result<Option<Clearance<D>>, Spent> {
         let Self { path, clearances, clearance, .. } = self;
-        *clearance = translating_clearance(body, walls, path.legs(), clearances, budget)?;
+        *clearance = clearance_body_legs(body, walls, path.legs(), clearances, budget)?;
         Ok(*clearance)
     }
 

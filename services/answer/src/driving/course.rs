@@ -1,7 +1,7 @@
 //! The way of a robot through the channels it travels.
 
 use planning::budget::Budget;
-use planning::driving::{self, Corner, Drive, DrivingError, Path, corners_of};
+use planning::driving::{self, Corner, Drive, DrivingError, DrivingPath, corners_of};
 use planning::free_space::walls::Walls;
 use planning::free_space::{Chain, End};
 use planning::geometry::AxisBox;
@@ -24,7 +24,7 @@ pub(super) struct Course {
     corners: Vec<Corner>,
     /// The gap at every corner of the answer at hand, metres.
     pub(super) gaps: Vec<f64>,
-    pub(super) path: Path,
+    pub(super) path: DrivingPath,
     /// The safest gap, once it is sought, metres.
     safest: Option<f64>,
 }
@@ -94,7 +94,7 @@ impl Course {
         };
         let Self { chain, corners, path, .. } = self;
         let task = task(errand, chain, corners, walls);
-        driving::route(&task, driving::Gaps::Uniform(LEAST_GAP), path, budget)?;
+        driving::route(&task, driving::CornerGaps::Uniform(LEAST_GAP), path, budget)?;
         let length = path.length();
         self.drive(errand, kept, walls, budget)?;
         Ok(length)
@@ -122,7 +122,7 @@ impl Course {
                 gaps.resize(corners.len(), safest * part);
             }
         }
-        driving::drive(&task, driving::Gaps::PerCorner(gaps), path, budget)
+        driving::drive(&task, driving::CornerGaps::PerCorner(gaps), path, budget)
     }
 
     /// The memory that it holds, bytes.

@@ -55,11 +55,11 @@ impl Errand {
     }
 
     /// The robot as the search for a route knows it, if it keeps this gap, metres.
-    pub(super) fn robot(&self, gap: f64) -> route::Driving {
+    pub(super) fn robot(&self, gap: f64) -> route::RobotMover {
         let Self { footprint, start, goal, .. } = self;
         // What the robot needs to turn (docs/method.md 6.4: R(g) < W).
         let needs = limits::outer_radius(footprint, gap);
         let sides = (footprint.width(), gap);
-        route::Driving::new(start.position, goal.position, Vector::repeat(needs), sides)
+        route::RobotMover::new(start.position, goal.position, Vector::repeat(needs), sides)
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use planning::free_space::solids::Solids;
 use planning::geometry::AxisBox;
-use planning::route::{Blocked, Passage, Place};
+use planning::route::{Blocked, Passage, Region};
 use schemas::message::{ErrorCode, Refusal};
 
 use super::refused::Refused;
@@ -24,11 +24,11 @@ impl fmt::Display for At<'_> {
 }
 
 /// From where to where a place is.
-struct Of<'a, const D: usize>(&'a Axes, &'a Place<D>);
+struct Of<'a, const D: usize>(&'a Axes, &'a Region<D>);
 
 impl<const D: usize> fmt::Display for Of<'_, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(axes, Place { min, max }) = self;
+        let Self(axes, Region { min, max }) = self;
         write!(f, "from {} to {}", At(axes, min.as_slice()), At(axes, max.as_slice()))
     }
 }
@@ -133,7 +133,7 @@ fn taken<const D: usize>(
     axes: &Axes,
     what: &str,
     code: ErrorCode,
-    place: &Place<D>,
+    place: &Region<D>,
     (solids, bounds): (&Solids<D>, &AxisBox<D>),
 ) -> Option<Refusal> {
     if let Some((solid, axis, depth)) = solids.deepest(&place.min, &place.max) {

@@ -115,7 +115,7 @@ impl Met {
 
 /// Distance of the body at rest to the walls; `None` without walls. Heading in radians
 /// counter-clockwise from +x.
-pub fn over_placement(
+pub fn clearance_rectangle_pose(
     footprint: &Footprint,
     position: &Vector<2>,
     heading: f64,
@@ -123,7 +123,7 @@ pub fn over_placement(
     budget: &Budget<'_>,
 ) -> Result<Option<Clearance<2>>, Spent> {
     let curve = Curve::Line { from: *position, to: *position, heading, turned: 0.0 };
-    over_curve(footprint, &curve, walls, budget)
+    clearance_rectangle_curve(footprint, &curve, walls, budget)
 }
 
 /// Clearance over one curve; `None` without walls. A line is travelled along the heading;
@@ -131,7 +131,7 @@ pub fn over_placement(
 ///
 /// ```
 /// use planning::budget::Budget;
-/// use planning::clearance::rectangle::{Footprint, over_curve};
+/// use planning::clearance::rectangle::{Footprint, clearance_rectangle_curve};
 /// use planning::free_space::walls::{Wall, Walls};
 /// use planning::geometry::Vector;
 /// use planning::motion::Curve;
@@ -143,13 +143,13 @@ pub fn over_placement(
 /// let curve = Curve::Line { from, to, heading: 0.0, turned: 0.0 };
 /// let mut walls = Walls::default();
 /// walls.push(Wall { from: [4.0, 1.5].into(), to: [9.0, 1.5].into() });
-/// let clearance = over_curve(&robot, &curve, &walls, &Budget::default())?;
+/// let clearance = clearance_rectangle_curve(&robot, &curve, &walls, &Budget::default())?;
 /// let clearance = clearance.expect("there is a wall");
 /// assert_eq!((clearance.value, clearance.at), (1.0, 3.0));
 /// assert_eq!(clearance.wall, Vector::from([4.0, 1.5]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn over_curve(
+pub fn clearance_rectangle_curve(
     footprint: &Footprint,
     curve: &Curve<2>,
     walls: &Walls<2>,

@@ -69,7 +69,7 @@ impl<'a> Body<'a, 2> {
 ///
 /// ```
 /// use planning::budget::Budget;
-/// use planning::clearance::translating::{Body, translating_clearance};
+/// use planning::clearance::translating::{Body, clearance_body_legs};
 /// use planning::free_space::walls::Walls;
 /// use planning::geometry::{AxisBox, Vector};
 /// use planning::motion::{Curve, Leg};
@@ -81,14 +81,14 @@ impl<'a> Body<'a, 2> {
 /// let curve = Curve::translation(Vector::from([0.0, 0.0]), Vector::from([0.0, 5.0]));
 /// let legs = [Leg { curve, junction: None, rule: None }];
 /// let (body, mut each, budget) = (Body::from_box(&body), Vec::new(), Budget::default());
-/// let clearance = translating_clearance(&body, &walls, &legs, &mut each, &budget)?;
+/// let clearance = clearance_body_legs(&body, &walls, &legs, &mut each, &budget)?;
 /// let clearance = clearance.expect("there are walls");
 /// // First when its upper side is level with the lower side of the box.
 /// assert_eq!((clearance.value, clearance.at), (0.5, 2.0));
 /// assert_eq!(clearance.wall, Vector::from([1.5, 3.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn translating_clearance<const D: usize>(
+pub fn clearance_body_legs<const D: usize>(
     body: &Body<'_, D>,
     walls: &Walls<D>,
     legs: &[Leg<D>],
@@ -229,8 +229,8 @@ fn outline_clearance<const D: usize>(
     let (a, b) = (planar(&wall.from), planar(&wall.to));
     let (least, greatest) = (from.inf(&to), from.sup(&to));
     let (low, high) = (a.inf(&b), a.sup(&b));
-    type Segment<'a> = (&'a Vector<2>, &'a Vector<2>);
-    let mut take = |way: Segment<'_>, edge: Segment<'_>, end: Option<&Vector<2>>| {
+    type Ends<'a> = (&'a Vector<2>, &'a Vector<2>);
+    let mut take = |way: Ends<'_>, edge: Ends<'_>, end: Option<&Vector<2>>| {
         let closest = distance_segment_segment(way, edge);
         let point = spatial(end.unwrap_or(&closest.point));
         nearest.take(closest.distance, closest.at, index, point);

@@ -26,8 +26,8 @@ fn section_4() -> Scene<2> {
 fn plan<const D: usize>(
     scene: &Scene<D>,
     gap: Gap<'_, D>,
-) -> Result<(Chain<D>, Path<D>), DisassemblyError> {
-    let (mut chain, mut path) = (Chain::default(), Path::default());
+) -> Result<(Chain<D>, DisassemblyPath<D>), DisassemblyError> {
+    let (mut chain, mut path) = (Chain::default(), DisassemblyPath::default());
     chain
         .build(&scene.channels, &scene.body.center(), End::Exit(scene.exit), &Budget::default())
         .expect("a chain");
@@ -35,7 +35,7 @@ fn plan<const D: usize>(
     Ok((chain, path))
 }
 
-fn way_points<const D: usize>(path: &Path<D>) -> Vec<Vector<D>> {
+fn way_points<const D: usize>(path: &DisassemblyPath<D>) -> Vec<Vector<D>> {
     let ends = path.legs().iter().map(|leg| match leg.curve {
         Curve::Line { from, to, heading: 0.0, turned: 0.0 } => (from, to),
         other => panic!("{other:?} is no translation"),
@@ -47,7 +47,7 @@ fn way_points<const D: usize>(path: &Path<D>) -> Vec<Vector<D>> {
     ends.iter().map(|(from, _)| *from).chain(ends.last().map(|(_, to)| *to)).collect()
 }
 
-fn rules<const D: usize>(path: &Path<D>) -> Vec<Option<(u8, u8)>> {
+fn rules<const D: usize>(path: &DisassemblyPath<D>) -> Vec<Option<(u8, u8)>> {
     path.legs().iter().map(|leg| leg.rule.map(|rule| (rule.table, rule.number))).collect()
 }
 
@@ -350,7 +350,7 @@ fn contact_with_the_first_channel_is_accepted() {
 
 #[test]
 fn unbuilt_chain_is_rejected() {
-    let mut path = Path::default();
+    let mut path = DisassemblyPath::default();
     let body = section_4().body;
     let found = disassemble(&Chain::default(), &body, Gap::Safest, &mut path, &Budget::default());
     assert_eq!(found, Err(DisassemblyError::NoChannels));
@@ -360,22 +360,22 @@ fn unbuilt_chain_is_rejected() {
 fn check_margins<const D: usize>(scene: &Scene<D>, fraction: f64) {
     let (chain, path) = plan(scene, Gap::Fraction(fraction)).expect("a path");
     let points = way_points(&path);
-    assert_eq!(points.len(), chain.corners().len() + 2);
+    assert_eq!(points.len(), chain.junctions().len() + 2);
     assert_eq!(points[0], Vector::<D>::zeros());
-    for ((corner, gap), point) in chain.corners().iter().zip(path.gaps()).zip(&points[1..]) {
+    for ((junction, gap), point) in chain.junctions().iter().zip(path.gaps()).zip(&points[1..]) {
         let body = scene.body.translated(point);
-        let least = body.min() - corner.junction.min();
-        let greatest = corner.junction.max() - body.max();
+        let least = body.min() - junction.space.min();
+        let greatest = junction.space.max() - body.max();
         for axis in 0..D {
             let margin = least[axis].min(greatest[axis]);
             assert!(margin > gap[axis] - 1e-12, "{margin} is less than {}", gap[axis]);
         }
         // Towards the corner that the taut string turns round, exactly the gap.
-        let hugged = match corner.approach.sign {
+        let hugged = match junction.approach.sign {
             Sign::Positive => least,
             Sign::Negative => greatest,
         };
-        let axis = corner.approach.axis;
+        let axis = junction.approach.axis;
         assert!((hugged[axis] - gap[axis]).abs() < 1e-12);
     }
     let (exit, body) = (scene.exit, scene.body);

@@ -1,9 +1,9 @@
 //! Finds out why a robot cannot be driven as asked, and which numbers would do.
 
 use super::limits::{greatest_gap, least_width};
-use super::{CONTACT, Drive, DrivingError, Gaps};
+use super::{CONTACT, CornerGaps, Drive, DrivingError};
 use crate::budget::{Budget, Spent};
-use crate::clearance::rectangle::{Met, over_placement};
+use crate::clearance::rectangle::{Met, clearance_rectangle_pose};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
@@ -44,14 +44,14 @@ fn touched(
     heading: f64,
     budget: &Budget<'_>,
 ) -> Result<Option<Vector<2>>, Spent> {
-    let near = over_placement(&drive.footprint, position, heading, drive.walls, budget)?;
+    let near = clearance_rectangle_pose(&drive.footprint, position, heading, drive.walls, budget)?;
     Ok(near.filter(|near| near.value <= CONTACT).map(|near| near.wall))
 }
 
 /// Checks that there is a positive gap for every corner.
-pub(super) fn check_gaps(drive: &Drive<'_>, gaps: &Gaps<'_>) -> Result<(), DrivingError> {
+pub(super) fn check_gaps(drive: &Drive<'_>, gaps: &CornerGaps<'_>) -> Result<(), DrivingError> {
     let needs = drive.corners.len();
-    if let Gaps::PerCorner(gaps) = gaps
+    if let CornerGaps::PerCorner(gaps) = gaps
         && gaps.len() != needs
     {
         return Err(DrivingError::GapCount { has: gaps.len(), needs });
@@ -73,7 +73,7 @@ fn gap_out_of_range(drive: &Drive<'_>, corner: usize, gap: f64) -> DrivingError 
 /// Why the robot touches a wall on leg `index`.
 pub(super) fn contact(
     drive: &Drive<'_>,
-    gaps: &Gaps<'_>,
+    gaps: &CornerGaps<'_>,
     legs: &[Leg<2>],
     (index, met): (usize, &Met),
     budget: &Budget<'_>,

@@ -3,7 +3,7 @@
 use crate::budget::{Budget, Spent};
 
 use super::limits::{balanced_gap, least_width};
-use super::{Drive, DrivingError, Gaps, Path, drive};
+use super::{CornerGaps, Drive, DrivingError, DrivingPath, drive};
 
 /// Precision of the safest gap if it has no closed form, metres.
 const PRECISION: f64 = 1e-10;
@@ -26,17 +26,21 @@ const RATIO: f64 = 0.75;
 /// allow less) the measured clearance is maximised to 1e-9 m among the gaps whose guiding
 /// circles do not reach beyond the narrowest corridor. In overlapping corridors a gap may lead
 /// the path past some corners; such gaps are found in the second case only.
-pub fn safest(task: &Drive<'_>, path: &mut Path, budget: &Budget<'_>) -> Result<f64, DrivingError> {
+pub fn safest(
+    task: &Drive<'_>,
+    path: &mut DrivingPath,
+    budget: &Budget<'_>,
+) -> Result<f64, DrivingError> {
     let narrowest = (0..task.corners.len())
         .min_by(|&a, &b| task.corners[a].width().total_cmp(&task.corners[b].width()));
     let Some(narrowest) = narrowest else {
-        drive(task, Gaps::Uniform(0.0), path, budget)?;
+        drive(task, CornerGaps::Uniform(0.0), path, budget)?;
         return Ok(0.0);
     };
     let width = task.corners[narrowest].width();
     let balanced = balanced_gap(&task.footprint, width);
     let mut turning = |gap: f64| -> Trial {
-        match drive(task, Gaps::Uniform(gap), path, budget) {
+        match drive(task, CornerGaps::Uniform(gap), path, budget) {
             Ok(()) => Ok(Ok(path.turning.map_or(f64::INFINITY, |turning| turning.value))),
             Err(DrivingError::Spent(spent)) => Err(spent),
             Err(refusal) => Ok(Err(refusal)),
@@ -51,7 +55,7 @@ pub fn safest(task: &Drive<'_>, path: &mut Path, budget: &Budget<'_>) -> Result<
         return Err(DrivingError::CornerTooNarrow { corner: narrowest, has: width, needs });
     }
     let found = maximise(&mut turning, most)?;
-    drive(task, Gaps::Uniform(found), path, budget)?;
+    drive(task, CornerGaps::Uniform(found), path, budget)?;
     Ok(found)
 }
 

@@ -2,7 +2,7 @@
 
 use super::rules::TurnRule;
 use super::tangent::{Circle, Tangent, tangent};
-use super::{Corner, Drive, DrivingError, Gaps};
+use super::{Corner, CornerGaps, Drive, DrivingError};
 use crate::budget::Budget;
 use crate::geometry::{Direction, Vector, unit, unrotated};
 
@@ -40,7 +40,7 @@ const STEPS_PER_CORNER: u64 = 4;
 /// is an error.
 pub(super) fn tighten(
     drive: &Drive<'_>,
-    gaps: &Gaps<'_>,
+    gaps: &CornerGaps<'_>,
     knots: &mut Vec<Knot>,
     kept: &mut Vec<bool>,
     budget: &Budget<'_>,
@@ -59,7 +59,7 @@ pub(super) fn tighten(
 /// in `kept`.
 fn wind(
     drive: &Drive<'_>,
-    gaps: &Gaps<'_>,
+    gaps: &CornerGaps<'_>,
     knots: &mut Vec<Knot>,
     kept: &[bool],
 ) -> Result<Tangent, DrivingError> {
@@ -90,7 +90,7 @@ fn wind(
 /// Removes knots about which the path would turn backwards.
 fn join(
     drive: &Drive<'_>,
-    gaps: &Gaps<'_>,
+    gaps: &CornerGaps<'_>,
     knots: &mut Vec<Knot>,
     corner: Option<usize>,
     circle: &Circle,
@@ -158,7 +158,7 @@ fn turns_forwards(rule: &TurnRule, arrival: &Vector<2>, departure: &Vector<2>) -
 /// most; returns whether there is one.
 fn put_back(
     drive: &Drive<'_>,
-    gaps: &Gaps<'_>,
+    gaps: &CornerGaps<'_>,
     knots: &[Knot],
     last: &Tangent,
     kept: &mut Vec<bool>,
@@ -201,7 +201,7 @@ fn cut(line: &Tangent, circle: &Circle) -> f64 {
 /// The error if start or goal lies inside a guiding circle.
 fn too_close_to_point(
     drive: &Drive<'_>,
-    gaps: &Gaps<'_>,
+    gaps: &CornerGaps<'_>,
     point: &Circle,
     corner: usize,
     circle: &Circle,

@@ -12,9 +12,9 @@ pub(crate) struct Scene<const D: usize> {
 }
 
 /// One channel: which other axis, whether forwards, how long, how wide.
-type Step<const D: usize> = (usize, bool, f64, [f64; D]);
+type ChannelStep<const D: usize> = (usize, bool, f64, [f64; D]);
 
-fn step<const D: usize>() -> impl Strategy<Value = Step<D>> {
+fn step<const D: usize>() -> impl Strategy<Value = ChannelStep<D>> {
     let widths = proptest::array::uniform::<_, D>(0.0..1.0f64);
     (0..D.max(2), any::<bool>(), 3.0..9.0f64, widths)
 }

@@ -59,10 +59,10 @@ fn section_4_has_the_junctions_of_the_paper() {
     let chain = build(&section_4(), [5.745, 2.505], EXIT).expect("a chain");
     let (up, left) = (to(1, Sign::Positive), to(0, Sign::Negative));
     assert_eq!(
-        chain.corners(),
+        chain.junctions(),
         [
-            Corner { junction: space([4., 2.], [7., 6.]), approach: up, leaving: left },
-            Corner { junction: space([1., 2.], [5., 6.]), approach: left, leaving: up },
+            Junction { space: space([4., 2.], [7., 6.]), approach: up, leaving: left },
+            Junction { space: space([1., 2.], [5., 6.]), approach: left, leaving: up },
         ]
     );
     assert_eq!(chain.axes(), [1, 0, 1]);
@@ -72,7 +72,7 @@ fn section_4_has_the_junctions_of_the_paper() {
 #[test]
 fn one_channel_has_no_junction() {
     let chain = build(&section_4()[..1], [5.0, 2.0], EXIT).expect("a chain");
-    assert_eq!((chain.corners(), chain.axes()), (&[][..], &[1][..]));
+    assert_eq!((chain.junctions(), chain.axes()), (&[][..], &[1][..]));
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn goal_decides_the_last_direction() {
     let l_turn = [space([0., 0.], [2., 9.]), space([0., 7.], [9., 9.])];
     let chain = build(&l_turn, [1., 1.], End::Goal([8., 8.].into())).expect("a chain");
     assert_eq!(chain.exit(), Some(to(0, Sign::Positive)));
-    assert_eq!(chain.corners()[0].leaving, to(0, Sign::Positive));
+    assert_eq!(chain.junctions()[0].leaving, to(0, Sign::Positive));
     // A goal straight ahead in a room: the corridor's axis is taken.
     let room = [space([0., 4.], [11., 6.]), space([10., 0.], [30., 20.])];
     let chain = build(&room, [1., 5.], End::Goal([28., 5.5].into())).expect("a chain");
@@ -170,22 +170,22 @@ fn failed_chain_is_empty() {
     let mut chain = build(&section_4(), [5.745, 2.505], EXIT).expect("a chain");
     chain.build(&[], &Vector::zeros(), EXIT, &Budget::default()).unwrap_err();
     assert_eq!((chain.channels(), chain.axes(), chain.exit()), (&[][..], &[][..], None));
-    assert_eq!((chain.corners(), chain.mouth()), (&[][..], None));
+    assert_eq!((chain.junctions(), chain.mouth()), (&[][..], None));
 }
 
 /// Directions that the construction of a random chain knows are found again.
 fn check_directions<const D: usize>(scene: &super::random::Scene<D>) {
     let chain = build(&scene.channels, scene.body.center().into(), End::Exit(scene.exit));
     let chain = chain.expect("a chain");
-    for (index, corner) in chain.corners().iter().enumerate() {
-        assert_ne!(corner.approach.axis, corner.leaving.axis);
-        assert_eq!(corner.approach.axis, chain.axes()[index]);
-        assert_eq!(corner.leaving.axis, chain.axes()[index + 1]);
-        if let Some(after) = chain.corners().get(index + 1) {
-            assert_eq!(corner.leaving, after.approach);
+    for (index, junction) in chain.junctions().iter().enumerate() {
+        assert_ne!(junction.approach.axis, junction.leaving.axis);
+        assert_eq!(junction.approach.axis, chain.axes()[index]);
+        assert_eq!(junction.leaving.axis, chain.axes()[index + 1]);
+        if let Some(after) = chain.junctions().get(index + 1) {
+            assert_eq!(junction.leaving, after.approach);
             assert!(
-                corner.leaving.coordinate(&corner.junction.center())
-                    < corner.leaving.coordinate(&after.junction.center())
+                junction.leaving.coordinate(&junction.space.center())
+                    < junction.leaving.coordinate(&after.space.center())
             );
         }
     }

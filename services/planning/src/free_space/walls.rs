@@ -40,7 +40,7 @@ impl<const D: usize> Wall<D> {
 
 /// A solid whose surface is among the walls.
 #[derive(Debug, Clone, Copy)]
-struct Solid<const D: usize> {
+struct SolidSurface<const D: usize> {
     bounds: AxisBox<D>,
     /// The index of its first wall, and their number.
     walls: (usize, usize),
@@ -55,7 +55,7 @@ struct Solid<const D: usize> {
 #[derive(Debug, Clone, Default)]
 pub struct Walls<const D: usize> {
     walls: Vec<Wall<D>>,
-    solids: Vec<Solid<D>>,
+    solids: Vec<SolidSurface<D>>,
     tree: BoxTree<D>,
 }
 
@@ -86,7 +86,7 @@ impl<const D: usize> Walls<D> {
                 self.push(Wall { from, to });
             }
         }
-        self.solids.push(Solid { bounds: *solid, walls: (first, 2 * D), is_box: true });
+        self.solids.push(SolidSurface { bounds: *solid, walls: (first, 2 * D), is_box: true });
     }
 
     /// Builds the index that makes searches among many walls fast; to be called after the
@@ -106,7 +106,7 @@ impl<const D: usize> Walls<D> {
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let walls = self.walls.capacity() * size_of::<Wall<D>>();
-        walls + self.solids.capacity() * size_of::<Solid<D>>() + self.tree.bytes()
+        walls + self.solids.capacity() * size_of::<SolidSurface<D>>() + self.tree.bytes()
     }
 
     /// All walls, in the order of addition.
@@ -235,7 +235,7 @@ impl Walls<2> {
             self.push(Wall { from, to });
         }
         let walls = (first, self.walls.len() - first);
-        self.solids.push(Solid { bounds: *solid.bounds(), walls, is_box: false });
+        self.solids.push(SolidSurface { bounds: *solid.bounds(), walls, is_box: false });
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why there is no route between solids: the narrowest passage on the widest way, or a wall.
 
 use super::Traveller;
-use super::widest::{Change, Lack, Space, Unknown, Way, extent, is_of_the_search};
+use super::widest::{Change, Lack, Space, Unknown, WidestWay, extent, is_of_the_search};
 use crate::budget::{Budget, Held, Spent};
 use crate::free_space::End;
 use crate::geometry::box_tree::BoxTree;
@@ -9,7 +9,7 @@ use crate::geometry::{AxisBox, Direction, Sign, Vector};
 
 /// A box, metres; may be flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place<const D: usize> {
+pub struct Region<const D: usize> {
     /// The corner with the least coordinates.
     pub min: Vector<D>,
     /// The corner with the greatest coordinates.
@@ -20,7 +20,7 @@ pub struct Place<const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage<const D: usize> {
     /// Where it is.
-    pub place: Place<D>,
+    pub place: Region<D>,
     /// The axis along which it is too narrow.
     pub axis: usize,
     /// Its extent along the axis must exceed this, metres.
@@ -40,9 +40,9 @@ impl<const D: usize> Passage<D> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Blocked<const D: usize> {
     /// The start is in a solid or outside the bounds.
-    StartTaken(Place<D>),
+    StartTaken(Region<D>),
     /// The goal is in a solid or outside the bounds.
-    GoalTaken(Place<D>),
+    GoalTaken(Region<D>),
     /// There is no room at the start: this is the widest place there.
     NarrowStart(Passage<D>),
     /// There is no room at the goal: this is the widest place there.
@@ -62,7 +62,7 @@ pub enum Blocked<const D: usize> {
     /// wall on the way where the thickest is thinnest.
     Wall {
         /// The part of the wall between the free boxes on both sides of it.
-        place: Place<D>,
+        place: Region<D>,
         /// The axis along which it would be passed.
         axis: usize,
         /// Its thickness along that axis, metres; 0 if free boxes just meet at an edge.
@@ -123,7 +123,7 @@ fn on_the_way<const D: usize>(
     let starts = around(&traveller.least, &traveller.greatest);
     if starts.is_empty() {
         let Traveller { least, greatest, .. } = *traveller;
-        return Ok(Some(Blocked::StartTaken(Place { min: least, max: greatest })));
+        return Ok(Some(Blocked::StartTaken(Region { min: least, max: greatest })));
     }
     if let Some(passage) = no_room(&boxes, &starts, room).filter(Passage::is_too_narrow) {
         return Ok(Some(Blocked::NarrowStart(passage)));
@@ -134,7 +134,7 @@ fn on_the_way<const D: usize>(
     };
     if let End::Goal(goal) = end {
         if goals.is_empty() {
-            return Ok(Some(Blocked::GoalTaken(Place { min: goal, max: goal })));
+            return Ok(Some(Blocked::GoalTaken(Region { min: goal, max: goal })));
         }
         if let Some(passage) = no_room(&boxes, &goals, room).filter(Passage::is_too_narrow) {
             return Ok(Some(Blocked::NarrowGoal(passage)));
@@ -152,7 +152,7 @@ fn on_the_way<const D: usize>(
         Err(Unknown::Spent(spent)) if !is_of_the_search(&spent) => return Err(spent),
         Err(_) => return Ok(None),
     };
-    let scene = Scene { space, bounds, budget };
+    let scene = Surroundings { space, bounds, budget };
     match way.junction {
         Some(junction) => scene.at_junction(&way, junction),
         None => Ok(scene.in_one_box(&way)),
@@ -209,7 +209,7 @@ fn no_room<const D: usize>(
             return None;
         }
         if widest.is_none_or(|(least, _)| lack(&axis) < least) {
-            let place = Place { min: free.min(), max: free.max() };
+            let place = Region { min: free.min(), max: free.max() };
             let passage = Passage { place, axis, needs: room[axis], has: size[axis] };
             widest = Some((lack(&axis), passage));
         }
@@ -217,14 +217,14 @@ fn no_room<const D: usize>(
     widest.map(|(_, passage)| passage)
 }
 
-struct Scene<'a, const D: usize> {
+struct Surroundings<'a, const D: usize> {
     space: Space<'a, D>,
     bounds: &'a AxisBox<D>,
     budget: &'a Budget<'a>,
 }
 
-impl<const D: usize> Scene<'_, D> {
-    fn at_junction(&self, way: &Way, junction: usize) -> Result<Option<Blocked<D>>, Spent> {
+impl<const D: usize> Surroundings<'_, D> {
+    fn at_junction(&self, way: &WidestWay, junction: usize) -> Result<Option<Blocked<D>>, Spent> {
         let boxes = self.space.channels;
         let (one, other) = (&boxes[way.route[junction]], &boxes[way.route[junction + 1]]);
         let (axis, others) = (way.lack.axis, self.other_places(way));
@@ -247,14 +247,14 @@ impl<const D: usize> Scene<'_, D> {
     }
 
     /// For a box that holds start and end, and that the body just fills.
-    fn in_one_box(&self, way: &Way) -> Option<Blocked<D>> {
+    fn in_one_box(&self, way: &WidestWay) -> Option<Blocked<D>> {
         let [index] = way.route[..] else { return None };
         let (free, room) = (&self.space.channels[index], self.space.room?);
         let lack = self.space.lack_of(free);
         if lack.change != Change::Junction {
             return None;
         }
-        let (axis, place) = (lack.axis, Place { min: free.min(), max: free.max() });
+        let (axis, place) = (lack.axis, Region { min: free.min(), max: free.max() });
         let (place, needs, has) = (self.within(&place), room[axis], free.size()[axis]);
         let passage = Passage { place, axis, needs, has };
         Some(Blocked::Narrow { passage, junction: 0, others: 0 })
@@ -262,7 +262,7 @@ impl<const D: usize> Scene<'_, D> {
 
     /// Where a junction is narrow. Usually one of its two boxes is as narrow: a doorway that
     /// reaches far into the rooms on both sides. Then it is the part of that box between them.
-    fn passage(&self, way: &Way, junction: usize, axis: usize) -> Place<D> {
+    fn passage(&self, way: &WidestWay, junction: usize, axis: usize) -> Region<D> {
         let boxes = self.space.channels;
         let at = |place: usize| &boxes[way.route[place]];
         let has = extent(at(junction), at(junction + 1), axis);
@@ -271,7 +271,7 @@ impl<const D: usize> Scene<'_, D> {
             return self.between(at(junction), at(junction + 1));
         };
         let narrow = at(place);
-        let mut part = Place { min: narrow.min(), max: narrow.max() };
+        let mut part = Region { min: narrow.min(), max: narrow.max() };
         let neighbour = |index: usize| way.route.get(index).map(|at| &boxes[*at]);
         let before = place.checked_sub(1).and_then(neighbour);
         let (Some(before), Some(after)) = (before, neighbour(place + 1)) else {
@@ -294,7 +294,7 @@ impl<const D: usize> Scene<'_, D> {
 
     /// Without the ends that also lie in wider boxes, as the way may have led along the narrow
     /// box through rooms beside it. An axis along which nothing would be left stays whole.
-    fn trimmed(&self, place: Place<D>, axis: usize, worst: &Lack) -> Result<Place<D>, Spent> {
+    fn trimmed(&self, place: Region<D>, axis: usize, worst: &Lack) -> Result<Region<D>, Spent> {
         let boxes = self.space.channels;
         let has = place.max[axis] - place.min[axis];
         let is_wider = |free: &AxisBox<D>| {
@@ -328,7 +328,7 @@ impl<const D: usize> Scene<'_, D> {
 
     /// How many places on the way, besides the worst, are too narrow or walls. A doorway is one
     /// place with two consecutive junctions.
-    fn other_places(&self, way: &Way) -> usize {
+    fn other_places(&self, way: &WidestWay) -> usize {
         let boxes = self.space.channels;
         let (mut count, mut last) = (0_usize, None);
         for (at, pair) in way.route.windows(2).enumerate() {
@@ -347,13 +347,13 @@ impl<const D: usize> Scene<'_, D> {
     }
 
     /// The common part of two boxes; along axes on which they are apart, the part between.
-    fn between(&self, one: &AxisBox<D>, other: &AxisBox<D>) -> Place<D> {
+    fn between(&self, one: &AxisBox<D>, other: &AxisBox<D>) -> Region<D> {
         let (a, b) = (one.min().sup(&other.min()), one.max().inf(&other.max()));
-        self.within(&Place { min: a.inf(&b), max: a.sup(&b) })
+        self.within(&Region { min: a.inf(&b), max: a.sup(&b) })
     }
 
-    fn within(&self, place: &Place<D>) -> Place<D> {
+    fn within(&self, place: &Region<D>) -> Region<D> {
         let (min, max) = (self.bounds.min(), self.bounds.max());
-        Place { min: place.min.sup(&min).inf(&max), max: place.max.inf(&max).sup(&min) }
+        Region { min: place.min.sup(&min).inf(&max), max: place.max.inf(&max).sup(&min) }
     }
 }

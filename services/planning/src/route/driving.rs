@@ -1,13 +1,13 @@
 //! The mover of a robot: it turns about corners on guiding circles.
 
 use super::label::{Label, NONE};
-use super::mover::{Motion, Step};
+use super::mover::{Mover, SearchStep};
 use super::{SAME_LENGTH, Search, Traveller};
 use crate::budget::{Budget, Spent};
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::walls::Walls;
-use crate::free_space::{Corner, End};
+use crate::free_space::{End, Junction};
 use crate::geometry::box_tree::distance_squared_box_box;
 use crate::geometry::distance::distance_segment_segment;
 use crate::geometry::{AxisBox, Sign, Vector, unrotated};
@@ -25,7 +25,7 @@ mod cone;
 /// ways that turn about a corner the shortest is best whatever follows; of those that pass,
 /// one is useless if another leaves the same circle with a cone that contains its own.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Driving {
+pub struct RobotMover {
     traveller: Traveller<2>,
     goal: Vector<2>,
     radius: f64,
@@ -36,7 +36,7 @@ pub struct Driving {
 
 /// How a junction is passed.
 #[derive(Debug, Clone, Copy)]
-pub enum Passage {
+pub enum Passing {
     /// On its corner's guiding circle.
     Turning {
         /// The circle.
@@ -108,7 +108,7 @@ impl Root {
     }
 }
 
-impl Driving {
+impl RobotMover {
     /// A robot of this width whose centre goes from `position` to `goal` through junctions
     /// larger than `needs` along every axis, and that keeps this gap from corners; all in
     /// metres.
@@ -126,18 +126,18 @@ impl Driving {
         Self { traveller, goal, radius, half_width, blocked: Vec::new() }
     }
 
-    /// The guiding circle of a corner (equation 5.1), on the side of its turn.
-    fn guiding_circle(&self, corner: &Corner<2>) -> Option<Circle> {
-        let rule = TurnRule::of(corner.approach, corner.leaving)?;
+    /// The guiding circle of the corner of a junction (equation 5.1).
+    fn guiding_circle(&self, junction: &Junction<2>) -> Option<Circle> {
+        let rule = TurnRule::of(junction.approach, junction.leaving)?;
         let signed_radius = rule.turn.factor() * self.radius;
-        Some(Circle { center: rule.corner_of(&corner.junction), signed_radius })
+        Some(Circle { center: rule.corner_of(&junction.space), signed_radius })
     }
 
     /// The root of the line that the way to a label (`NONE` for the start) is on; `None` if a
     /// better way there has been found.
-    fn root(&self, labels: &[Label<Passage>], from: u32) -> Option<Root> {
+    fn root(&self, labels: &[Label<Passing>], from: u32) -> Option<Root> {
         let (index, passed) = match labels.get(from as usize).map(|label| &label.state) {
-            Some(Passage::Straight { root, cone }) => (*root, Some(*cone)),
+            Some(Passing::Straight { root, cone }) => (*root, Some(*cone)),
             _ => (from, None),
         };
         if labels.get(index as usize).is_some_and(|label| label.beaten) {
@@ -148,9 +148,9 @@ impl Driving {
     }
 
     /// The circle of a turning label; otherwise the start.
-    fn root_of(&self, labels: &[Label<Passage>], index: u32) -> Root {
+    fn root_of(&self, labels: &[Label<Passing>], index: u32) -> Root {
         match labels.get(index as usize).map(|label| (label.length, &label.state)) {
-            Some((length, Passage::Turning { circle, arrival, .. })) => Root {
+            Some((length, Passing::Turning { circle, arrival, .. })) => Root {
                 index,
                 circle: *circle,
                 arrival: Some(*arrival),
@@ -202,7 +202,7 @@ impl Driving {
     }
 
     /// Whether two roots are the same circle, reached alike.
-    fn is_same(&self, labels: &[Label<Passage>], one: u32, other: u32) -> bool {
+    fn is_same(&self, labels: &[Label<Passing>], one: u32, other: u32) -> bool {
         one == other || {
             let [one, other] = [one, other].map(|index| self.root_of(labels, index));
             one.circle == other.circle
@@ -248,8 +248,8 @@ fn distance_to(space: &AxisBox<2>, point: &Vector<2>) -> f64 {
     distance_squared_box_box(ends, (point, point)).sqrt()
 }
 
-impl Motion<2> for Driving {
-    type State = Passage;
+impl Mover<2> for RobotMover {
+    type State = Passing;
 
     fn traveller(&self) -> &Traveller<2> {
         &self.traveller
@@ -264,25 +264,25 @@ impl Motion<2> for Driving {
     fn enter(
         &self,
         search: &Search<'_, 2>,
-        labels: &[Label<Passage>],
+        labels: &[Label<Passing>],
         from: u32,
-        corner: &Corner<2>,
-    ) -> Result<[Option<Step<Passage>>; 2], Spent> {
-        let (Some(circle), Some(root)) = (self.guiding_circle(corner), self.root(labels, from))
+        junction: &Junction<2>,
+    ) -> Result<[Option<SearchStep<Passing>>; 2], Spent> {
+        let (Some(circle), Some(root)) = (self.guiding_circle(junction), self.root(labels, from))
         else {
             return Ok([None; 2]);
         };
-        let (junction, index) = (&corner.junction, root.index);
+        let (space, index) = (&junction.space, root.index);
         let turning = self.line(search, &root, &circle)?.map(|line| {
             let length = root.length_with(&line);
-            let state = Passage::Turning { circle, arrival: line.direction, root: index };
-            Step { state, length, estimate: length + (self.goal - line.to).norm() }
+            let state = Passing::Turning { circle, arrival: line.direction, root: index };
+            SearchStep { state, length, estimate: length + (self.goal - line.to).norm() }
         });
-        let straight = root.cone_through(junction, &circle).map(|cone| {
-            let (state, begin) = (Passage::Straight { root: index, cone }, root.begin());
-            let over = distance_to(junction, &begin) + distance_to(junction, &self.goal);
+        let straight = root.cone_through(space, &circle).map(|cone| {
+            let (state, begin) = (Passing::Straight { root: index, cone }, root.begin());
+            let over = distance_to(space, &begin) + distance_to(space, &self.goal);
             let estimate = root.length + over.max((self.goal - begin).norm());
-            Step { state, length: root.length, estimate }
+            SearchStep { state, length: root.length, estimate }
         });
         Ok([turning, straight])
     }
@@ -290,7 +290,7 @@ impl Motion<2> for Driving {
     fn finish(
         &self,
         search: &Search<'_, 2>,
-        labels: &[Label<Passage>],
+        labels: &[Label<Passing>],
         from: u32,
     ) -> Result<Option<f64>, Spent> {
         if from == NONE && self.goal == self.traveller.least {
@@ -303,8 +303,8 @@ impl Motion<2> for Driving {
 
     fn compare(
         &self,
-        labels: &mut [Label<Passage>],
-        new: &Label<Passage>,
+        labels: &mut [Label<Passing>],
+        new: &Label<Passing>,
         looks: &mut usize,
     ) -> bool {
         let mut at = new.next;
@@ -312,13 +312,13 @@ impl Motion<2> for Driving {
             let index = at as usize;
             at = known.next;
             *looks += 1;
-            if known.beaten || known.way != new.way {
+            if known.beaten || known.directions != new.directions {
                 continue;
             }
             match (&known.state, &new.state) {
                 (
-                    Passage::Turning { circle, arrival: one, .. },
-                    Passage::Turning { arrival: other, .. },
+                    Passing::Turning { circle, arrival: one, .. },
+                    Passing::Turning { arrival: other, .. },
                 ) => {
                     if self.beats((known.length, one), (new.length, other), circle) {
                         return false;
@@ -327,8 +327,8 @@ impl Motion<2> for Driving {
                         self.beats((new.length, other), (known.length, one), circle);
                 }
                 (
-                    Passage::Straight { root: one, cone: around },
-                    Passage::Straight { root: other, cone: within },
+                    Passing::Straight { root: one, cone: around },
+                    Passing::Straight { root: other, cone: within },
                 ) if self.is_same(labels, *one, *other) => {
                     if around.contains(within) {
                         return false;
@@ -341,13 +341,13 @@ impl Motion<2> for Driving {
         true
     }
 
-    fn avoid(&mut self, labels: &[Label<Passage>], last: u32, junction: Option<usize>) -> bool {
+    fn avoid(&mut self, labels: &[Label<Passing>], last: u32, junction: Option<usize>) -> bool {
         let Some(Root { index: mut from, .. }) = self.root(labels, last) else { return false };
         let mut line = [point(self.traveller.least), point(self.goal)];
         // The line that leads to the corner of the junction, or passes it at a distance.
         let passed = junction.map_or(usize::MAX, |junction| junction + 1);
         while let Some(label) = labels.get(from as usize)
-            && let Passage::Turning { circle, root, .. } = &label.state
+            && let Passing::Turning { circle, root, .. } = &label.state
         {
             if (label.junctions as usize) < passed {
                 line[0] = *circle;

@@ -9,9 +9,9 @@ pub(super) const NONE: u32 = u32::MAX;
 /// How a junction is passed: the directions in which it is entered and left, and whether the
 /// axis of the channel before was forced. Eight bits, as there are many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way(u8);
+pub(super) struct Directions(u8);
 
-impl Way {
+impl Directions {
     pub(super) fn new(approach: Direction, leaving: Direction, forced: bool) -> Self {
         Self(number(approach) | number(leaving) << 3 | u8::from(forced) << 6)
     }
@@ -56,7 +56,7 @@ pub struct Label<S> {
     pub(super) next: u32,
     /// The number of junctions passed.
     pub(super) junctions: u32,
-    pub(super) way: Way,
+    pub(super) directions: Directions,
     /// Whether another label makes it useless.
     pub(super) beaten: bool,
 }

@@ -4,12 +4,12 @@ use super::label::Label;
 use super::search::Search;
 use super::traveller::Traveller;
 use crate::budget::Spent;
-use crate::free_space::Corner;
+use crate::free_space::Junction;
 use std::fmt;
 
 /// A step of the search.
 #[derive(Debug, Clone, Copy)]
-pub struct Step<S> {
+pub struct SearchStep<S> {
     pub(super) state: S,
     /// Length of the way until there, metres.
     pub(super) length: f64,
@@ -18,7 +18,7 @@ pub struct Step<S> {
 }
 
 /// How a traveller moves from junction to junction.
-pub trait Motion<const D: usize> {
+pub trait Mover<const D: usize> {
     /// Where the traveller is after a step.
     type State: Copy + fmt::Debug;
 
@@ -38,8 +38,8 @@ pub trait Motion<const D: usize> {
         search: &Search<'_, D>,
         labels: &[Label<Self::State>],
         from: u32,
-        corner: &Corner<D>,
-    ) -> Result<[Option<Step<Self::State>>; 2], Spent>;
+        junction: &Junction<D>,
+    ) -> Result<[Option<SearchStep<Self::State>>; 2], Spent>;
 
     /// The length of the way that ends with a step from this label out of the last channel or
     /// to the goal, metres.

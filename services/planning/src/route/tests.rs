@@ -1,6 +1,6 @@
 use super::*;
-use crate::budget::Limits;
-use crate::disassembly::{Gap, Path, disassemble};
+use crate::budget::Allowance;
+use crate::disassembly::{DisassemblyPath, Gap, disassemble};
 use crate::free_space::solids::Solids;
 use crate::free_space::{Chain, mouth_of};
 use crate::geometry::{AxisBox, Direction, Vector};
@@ -20,13 +20,13 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
     AxisBox::new(min.into(), max.into()).expect("a box")
 }
 
-fn find<const D: usize, M: Motion<D> + Clone>(
+fn find<const D: usize, M: Mover<D> + Clone>(
     channels: &[AxisBox<D>],
-    motion: &M,
+    mover: &M,
 ) -> Result<(Vec<usize>, f64), RouteError> {
     let (mut graph, mut router) = (Graph::default(), Router::default());
     graph.build(channels, &Budget::default()).expect("few junctions");
-    let result = router.find(&graph, &mut motion.clone(), &Budget::default());
+    let result = router.find(&graph, &mut mover.clone(), &Budget::default());
     assert_eq!(router.route().is_empty(), result.is_err());
     result.map(|()| (router.route().to_vec(), router.length()))
 }
@@ -36,32 +36,28 @@ fn body<const D: usize>(
     max: [f64; D],
     gap: Gap<'_, D>,
     end: End<D>,
-) -> Translating<D> {
-    Translating::new(&space(min, max), gap, end).expect("a traveller")
+) -> BodyMover<D> {
+    BodyMover::new(&space(min, max), gap, end).expect("a traveller")
 }
 
 /// The body of most scenes, 1 m each way.
-fn cube(x: f64, z: f64, end: End<2>) -> Translating<2> {
+fn cube(x: f64, z: f64, end: End<2>) -> BodyMover<2> {
     body([x, z], [x + 1.0, z + 1.0], Gap::Uniform(0.1), end)
 }
 
 #[track_caller]
-fn check<const D: usize, M: Motion<D> + Clone>(
-    channels: &[AxisBox<D>],
-    motion: &M,
-    route: &[usize],
-) {
-    let found = find(channels, motion);
+fn check<const D: usize, M: Mover<D> + Clone>(channels: &[AxisBox<D>], mover: &M, route: &[usize]) {
+    let found = find(channels, mover);
     assert_eq!(found.expect("a route").0, route);
 }
 
 #[track_caller]
-fn check_error<const D: usize, M: Motion<D> + Clone>(
+fn check_error<const D: usize, M: Mover<D> + Clone>(
     channels: &[AxisBox<D>],
-    motion: &M,
+    mover: &M,
     error: RouteError,
 ) {
-    assert_eq!(find(channels, motion), Err(error));
+    assert_eq!(find(channels, mover), Err(error));
 }
 
 /// C_1, C_2, C_3 of section 4.
@@ -70,7 +66,7 @@ fn section_4() -> [AxisBox<2>; 3] {
     [c_1, c_2, c_3]
 }
 
-fn male(gap: Gap<'_, 2>) -> Translating<2> {
+fn male(gap: Gap<'_, 2>) -> BodyMover<2> {
     body(MALE[0], MALE[1], gap, End::Exit(UP))
 }
 
@@ -167,7 +163,7 @@ fn robot_takes_the_shorter_corridor() {
         space([0., 17.], [30., 20.]),
     ];
     let robot = |x, goal: [f64; 2]| {
-        Driving::new([x, 1.5].into(), goal.into(), Vector::repeat(1.5), (1.0, 0.2))
+        RobotMover::new([x, 1.5].into(), goal.into(), Vector::repeat(1.5), (1.0, 0.2))
     };
     check(&channels, &robot(3.0, [6., 18.]), &[0, 1, 3]);
     check(&channels, &robot(24.0, [29., 18.]), &[0, 2, 3]);
@@ -262,7 +258,7 @@ fn start_and_goal_outside_are_told() {
 #[test]
 fn gaps_that_make_no_route_are_rejected() {
     let cube = space([0., 0.], [1., 1.]);
-    let check = |gap, error| assert_eq!(Translating::new(&cube, gap, End::Exit(UP)), Err(error));
+    let check = |gap, error| assert_eq!(BodyMover::new(&cube, gap, End::Exit(UP)), Err(error));
     check(Gap::Uniform(0.0), RouteError::GapNotPositive { axis: 0, gap: 0.0, least: 0.0 });
     let error = RouteError::GapNotPositive { axis: 1, gap: -1.0, least: 0.0 };
     check(Gap::PerAxis([1.0, -1.0].into()), error);
@@ -270,20 +266,20 @@ fn gaps_that_make_no_route_are_rejected() {
     check(Gap::PerJunction(&three), RouteError::GapPerJunction { has: 3 });
     let error = RouteError::FractionOutOfRange { fraction: 1.5, least: 0.0, most: 1.0 };
     check(Gap::Fraction(1.5), error);
-    assert!(Translating::new(&cube, Gap::Uniform(f64::NAN), End::Exit(UP)).is_err());
+    assert!(BodyMover::new(&cube, Gap::Uniform(f64::NAN), End::Exit(UP)).is_err());
 }
 
 #[test]
 fn memory_is_as_documented() {
     assert!(size_of::<Label<Vector<2>>>() + size_of::<Entry>() <= 8 * 2 + 56);
     assert!(size_of::<Label<Vector<3>>>() + size_of::<Entry>() <= 8 * 3 + 56);
-    assert!(size_of::<Label<driving::Passage>>() + size_of::<Entry>() <= 104);
+    assert!(size_of::<Label<driving::Passing>>() + size_of::<Entry>() <= 104);
 }
 
 #[test]
 fn steps_and_junctions_are_capped() {
     let mut graph = Graph::default();
-    let limits = Limits { junctions: 3, route_steps: 3, ..Limits::NONE };
+    let limits = Allowance { junctions: 3, route_steps: 3, ..Allowance::NONE };
     let budget = Budget::new(limits);
     graph.build(&section_4(), &budget).expect("3 junctions");
     assert_eq!(graph.junctions(), 3);
@@ -292,7 +288,7 @@ fn steps_and_junctions_are_capped() {
     let mut male = male(Gap::Safest);
     let result = router.find(&graph, &mut male, &budget);
     assert_eq!(result, Err(Spent::Limit { cap: Cap::RouteSteps, most: 3 }.into()));
-    let few = Budget::new(Limits { junctions: 2, ..limits });
+    let few = Budget::new(Allowance { junctions: 2, ..limits });
     assert_eq!(graph.build(&section_4(), &few), Err(Spent::Limit { cap: Cap::Junctions, most: 2 }));
     assert_eq!(few.drawn(Cap::Bytes), 0);
     assert_eq!(graph.channels(), []);
@@ -301,7 +297,7 @@ fn steps_and_junctions_are_capped() {
 /// The length by the rules along a route, if it makes a chain that the body passes.
 fn length_along<const D: usize>(crowd: &Crowd<D>, route: &[usize], gap: Gap<'_, D>) -> Option<f64> {
     let channels: Vec<_> = route.iter().map(|index| crowd.channels[*index]).collect();
-    let (mut chain, mut path) = (Chain::default(), Path::default());
+    let (mut chain, mut path) = (Chain::default(), DisassemblyPath::default());
     chain.build(&channels, &crowd.body.center(), End::Exit(crowd.exit), &Budget::default()).ok()?;
     disassemble(&chain, &crowd.body, gap, &mut path, &Budget::default()).ok()?;
     Some(path.length())
@@ -348,7 +344,7 @@ fn is_simple(route: &[usize]) -> bool {
 /// The route is as long as its chain, and no other is shorter.
 fn check_shortest<const D: usize>(crowd: &Crowd<D>, gap: Gap<'_, D>, most: usize) {
     let end = End::Exit(crowd.exit);
-    let traveller = Translating::new(&crowd.body, gap, end).expect("a traveller");
+    let traveller = BodyMover::new(&crowd.body, gap, end).expect("a traveller");
     let (least, simple) = brute_force(crowd, gap, most);
     match find(&crowd.channels, &traveller) {
         Ok((route, length)) => {
@@ -398,7 +394,7 @@ fn check_chain_from_its_walls<const D: usize>(
         })
         && crowd.channels.iter().all(|channel| channels.contains(channel));
     let end = End::Exit(crowd.exit);
-    let traveller = Translating::new(&crowd.body, gap, end).expect("a traveller");
+    let traveller = BodyMover::new(&crowd.body, gap, end).expect("a traveller");
     let (route, length) = find(&channels, &traveller).expect("a route");
     if same {
         let along: Vec<_> = route.iter().map(|index| channels[*index]).collect();

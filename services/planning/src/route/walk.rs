@@ -1,31 +1,31 @@
 //! The steps of a search from junction to junction.
 
-use super::label::{Ending, Entry, Label, NONE, Way, number};
+use super::label::{Directions, Ending, Entry, Label, NONE, number};
 use super::search::{Search, lies_towards};
-use super::{Motion, Router, SIGNS, UNKNOWN};
+use super::{Mover, Router, SIGNS, UNKNOWN};
 use crate::budget::Spent;
-use crate::free_space::{Corner, End, all_axes, longest, proper, towards};
+use crate::free_space::{End, Junction, all_axes, longest, proper, towards};
 use crate::geometry::Direction;
 
-impl<const D: usize, M: Motion<D>> Router<D, M> {
+impl<const D: usize, M: Mover<D>> Router<D, M> {
     /// All first steps out of a channel that contains the traveller.
     pub(super) fn start_in(
         &mut self,
         search: &Search<'_, D>,
-        motion: &M,
+        mover: &M,
         first: usize,
     ) -> Result<(), Spent> {
         let channel = &search.graph.channels()[first];
         let start = search.traveller.center();
         if search.ends_in(first) {
             // Any axis will do.
-            self.finish(search, motion, first, NONE, 0)?;
+            self.finish(search, mover, first, NONE, 0)?;
         }
         for slot in search.graph.slots(first) {
             self.steps += 1;
-            let Some(junction) = search.passable(channel, slot) else { continue };
-            let center = junction.center();
-            let possible = or_all::<D>(proper(&junction, channel));
+            let Some(space) = search.passable(channel, slot) else { continue };
+            let center = space.center();
+            let possible = or_all::<D>(proper(&space, channel));
             let forced = possible.count_ones() == 1;
             for leaving in 0..D {
                 let Some(axis) = longest(possible & !(1 << leaving), &start, &center) else {
@@ -34,8 +34,8 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 let approach = towards(&start, &center, axis);
                 for sign in SIGNS {
                     let leaving = Direction { axis: leaving, sign };
-                    let corner = Corner { junction, approach, leaving };
-                    self.enter(search, motion, (first, slot), &corner, forced, (NONE, 0))?;
+                    let junction = Junction { space, approach, leaving };
+                    self.enter(search, mover, (first, slot), &junction, forced, (NONE, 0))?;
                 }
             }
         }
@@ -46,11 +46,11 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     pub(super) fn go_on(
         &mut self,
         search: &Search<'_, D>,
-        motion: &M,
+        mover: &M,
         index: u32,
         label: &Label<M::State>,
     ) -> Result<(), Spent> {
-        let (approach, leaving) = (label.way.approach(), label.way.leaving());
+        let (approach, leaving) = (label.directions.approach(), label.directions.leaving());
         let (graph, before) = (search.graph, label.channel as usize);
         let here = graph.neighbour_at(label.slot as usize);
         let channel = &graph.channels()[here];
@@ -58,7 +58,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
         let center = from.center();
         let mine = proper(&from, channel);
         // The axis that the channel before needs.
-        let taken = if label.way.is_forced() { 1 << approach.axis } else { 0 };
+        let taken = if label.directions.is_forced() { 1 << approach.axis } else { 0 };
 
         if search.ends_in(here) {
             let out = match search.traveller.end {
@@ -67,7 +67,7 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                     .map(|axis| towards(&center, &goal, axis)),
             };
             if out == Some(leaving) {
-                self.finish(search, motion, here, index, label.junctions)?;
+                self.finish(search, mover, here, index, label.junctions)?;
             }
         }
         for slot in graph.slots(here) {
@@ -79,19 +79,19 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             if !lies_towards(leaving, &center, channel, neighbour) {
                 continue;
             }
-            let Some(junction) = search.passable(channel, slot) else { continue };
-            let next = junction.center();
-            let possible = or_all::<D>(mine | proper(&junction, channel)) & !taken;
+            let Some(space) = search.passable(channel, slot) else { continue };
+            let next = space.center();
+            let possible = or_all::<D>(mine | proper(&space, channel)) & !taken;
             for axis in (0..D).filter(|axis| *axis != leaving.axis) {
                 if longest(possible & !(1 << axis), &center, &next) != Some(leaving.axis) {
                     continue;
                 }
                 for sign in SIGNS {
-                    let corner =
-                        Corner { junction, approach: leaving, leaving: Direction { axis, sign } };
+                    let leaving_here = Direction { axis, sign };
+                    let junction = Junction { space, approach: leaving, leaving: leaving_here };
                     let forced = possible.count_ones() == 1;
                     let from = (index, label.junctions);
-                    self.enter(search, motion, (here, slot), &corner, forced, from)?;
+                    self.enter(search, mover, (here, slot), &junction, forced, from)?;
                 }
             }
         }
@@ -102,9 +102,9 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn enter(
         &mut self,
         search: &Search<'_, D>,
-        motion: &M,
+        mover: &M,
         (channel, slot): (usize, usize),
-        corner: &Corner<D>,
+        junction: &Junction<D>,
         forced: bool,
         (before, junctions): (u32, u32),
     ) -> Result<(), Spent> {
@@ -115,10 +115,10 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
             }
             known => known,
         };
-        if onwards >> number(corner.leaving) & 1 == 0 {
+        if onwards >> number(junction.leaving) & 1 == 0 {
             return Ok(()); // A dead end.
         }
-        let steps = motion.enter(search, &self.labels, before, corner)?.into_iter().flatten();
+        let steps = mover.enter(search, &self.labels, before, junction)?.into_iter().flatten();
         // Overflowing numbers do not compare, and the search would not end.
         for step in steps.filter(|step| step.estimate.is_finite()) {
             let label = Label {
@@ -129,10 +129,10 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
                 before,
                 next: self.heads[slot],
                 junctions: junctions + 1,
-                way: Way::new(corner.approach, corner.leaving, forced),
+                directions: Directions::new(junction.approach, junction.leaving, forced),
                 beaten: false,
             };
-            if motion.compare(&mut self.labels, &label, &mut self.looks) {
+            if mover.compare(&mut self.labels, &label, &mut self.looks) {
                 search.budget.hold(Self::BYTES_PER_LABEL)?;
                 let index = self.labels.len() as u32;
                 self.heads[slot] = index;
@@ -148,12 +148,12 @@ impl<const D: usize, M: Motion<D>> Router<D, M> {
     fn finish(
         &mut self,
         search: &Search<'_, D>,
-        motion: &M,
+        mover: &M,
         last: usize,
         before: u32,
         junctions: u32,
     ) -> Result<(), Spent> {
-        let length = motion.finish(search, &self.labels, before)?;
+        let length = mover.finish(search, &self.labels, before)?;
         let Some(length) = length.filter(|length| length.is_finite()) else { return Ok(()) };
         search.budget.hold(Self::BYTES_PER_ENDING)?;
         let index = self.ends.len() as u32;

@@ -57,7 +57,7 @@ impl Lack {
 
 /// A way over channels.
 #[derive(Debug)]
-pub(super) struct Way {
+pub(super) struct WidestWay {
     /// Channels in travel order.
     pub(super) route: Vec<usize>,
     /// The shortfall of its worst junction. No way has a better worst junction.
@@ -163,7 +163,7 @@ impl<const D: usize> Space<'_, D> {
         starts: &[usize],
         is_end: impl Fn(usize) -> bool,
         budget: &Budget<'_>,
-    ) -> Result<Way, Unknown> {
+    ) -> Result<WidestWay, Unknown> {
         budget.restart(Cap::RouteSteps);
         budget.step(self.channels.len() as u64)?;
         let whole = self.greatest_extent();
@@ -349,7 +349,7 @@ impl<const D: usize> Space<'_, D> {
         Err(Unknown::Separate { reached })
     }
 
-    fn along(&self, route: Vec<usize>) -> Way {
+    fn along(&self, route: Vec<usize>) -> WidestWay {
         let (mut worst, mut junction, mut short) = (NOTHING, None, 0_usize);
         for (index, pair) in route.windows(2).enumerate() {
             let [first, second] = *pair else { continue };
@@ -362,6 +362,6 @@ impl<const D: usize> Space<'_, D> {
                 (worst, junction) = (lack, Some(index));
             }
         }
-        Way { route, lack: worst, junction, others: short.saturating_sub(1) }
+        WidestWay { route, lack: worst, junction, others: short.saturating_sub(1) }
     }
 }

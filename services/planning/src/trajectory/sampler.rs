@@ -1,9 +1,9 @@
 //! The states of a motion, one after another.
 
 use super::profile::{Phase, Profile};
-use super::sampling::{Grid, Sampling, first_multiple};
+use super::sampling::{SampleGrid, Sampling, first_multiple};
 use super::state::State;
-use super::track::{Shape, Track};
+use super::track::{Track, TrackShape};
 use crate::geometry::Vector;
 use crate::motion::{Curve, Leg};
 
@@ -18,7 +18,7 @@ use crate::motion::{Curve, Leg};
 pub struct Sampler<'a, const D: usize> {
     profile: &'a Profile,
     legs: &'a [Leg<D>],
-    grid: Grid,
+    grid: SampleGrid,
     track: Option<Track<D>>,
     law: Law,
     /// The step of the grid, and its next multiple.
@@ -56,7 +56,7 @@ impl Profile {
         if self.leg_count() == 0 {
             return 0;
         }
-        let grid = Grid::new(sampling, self);
+        let grid = SampleGrid::new(sampling, self);
         // Never more than 2^50 states a measure, so the sum is exact.
         let between: u64 = self.phases().iter().map(|phase| grid.inside(phase).count()).sum();
         between + self.phases().len() as u64 + 1
@@ -81,7 +81,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         Self {
             profile,
             legs,
-            grid: Grid::new(sampling, profile),
+            grid: SampleGrid::new(sampling, profile),
             track: None,
             law: Law::default(),
             step: 0.0,
@@ -170,15 +170,15 @@ impl<'a, const D: usize> Sampler<'a, D> {
                 let end = self.end.min(self.multiple + left);
                 left -= end - self.multiple;
                 // A loop for each shape, so that no state has to decide.
-                let shape = self.track.as_ref().map_or(Shape::Line, Track::shape);
+                let shape = self.track.as_ref().map_or(TrackShape::Line, Track::shape);
                 let f = &mut f;
                 all = match (shape, self.grid.by_time) {
-                    (Shape::Line, true) => self.run::<true, B>(end, all, f, Track::on_line),
-                    (Shape::Line, false) => self.run::<false, B>(end, all, f, Track::on_line),
-                    (Shape::Bend, true) => self.run::<true, B>(end, all, f, Track::on_bend),
-                    (Shape::Bend, false) => self.run::<false, B>(end, all, f, Track::on_bend),
-                    (Shape::Arc, true) => self.run::<true, B>(end, all, f, Track::on_arc),
-                    (Shape::Arc, false) => self.run::<false, B>(end, all, f, Track::on_arc),
+                    (TrackShape::Line, true) => self.run::<true, B>(end, all, f, Track::on_line),
+                    (TrackShape::Line, false) => self.run::<false, B>(end, all, f, Track::on_line),
+                    (TrackShape::Bend, true) => self.run::<true, B>(end, all, f, Track::on_bend),
+                    (TrackShape::Bend, false) => self.run::<false, B>(end, all, f, Track::on_bend),
+                    (TrackShape::Arc, true) => self.run::<true, B>(end, all, f, Track::on_arc),
+                    (TrackShape::Arc, false) => self.run::<false, B>(end, all, f, Track::on_arc),
                 };
             } else if let Some(state) = self.advance() {
                 left -= 1.0;
@@ -273,7 +273,7 @@ impl Law {
 
     /// The laws of a phase: speeding up, cruising, braking. The last is seen from the end of
     /// the phase, so that it meets the end exactly.
-    fn of(phase: &Phase, law: usize, grid: &Grid) -> Self {
+    fn of(phase: &Phase, law: usize, grid: &SampleGrid) -> Self {
         let (start, end) = grid.ends(phase);
         match law {
             0 => Self {
@@ -301,7 +301,7 @@ impl Law {
     }
 
     /// What the grid measures where law 0 or 1 of `phase` ends.
-    fn end(phase: &Phase, law: usize, grid: &Grid) -> f64 {
+    fn end(phase: &Phase, law: usize, grid: &SampleGrid) -> f64 {
         let (start, end) = grid.ends(phase);
         match (law, grid.by_time) {
             (0, true) => start + phase.rise_time,

@@ -17,10 +17,10 @@ const RESOLUTION: f64 = 1.0 / (1_u64 << 50) as f64;
 ///
 /// Steps finer than 2^-50 of the whole motion are taken as that.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sampling(Kind);
+pub struct Sampling(SamplingKind);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+enum SamplingKind {
     Period(f64),
     Spacing(f64),
     Count(u64),
@@ -50,13 +50,13 @@ pub enum SamplingError {
 impl Sampling {
     /// At every multiple of `seconds` from the start.
     pub fn period(seconds: f64) -> Result<Self, SamplingError> {
-        positive("period", seconds).map(Kind::Period).map(Self)
+        positive("period", seconds).map(SamplingKind::Period).map(Self)
     }
 
     /// At every multiple of `metres` of arc length from the start, and every
     /// 0.05 rad of each turn in place.
     pub fn spacing(metres: f64) -> Result<Self, SamplingError> {
-        positive("spacing", metres).map(Kind::Spacing).map(Self)
+        positive("spacing", metres).map(SamplingKind::Spacing).map(Self)
     }
 
     /// At `count` evenly spaced times, the first and the last state included.
@@ -64,7 +64,7 @@ impl Sampling {
         if count < 2 {
             return Err(SamplingError::TooFew { count, least: 2 });
         }
-        Ok(Self(Kind::Count(count)))
+        Ok(Self(SamplingKind::Count(count)))
     }
 }
 
@@ -79,7 +79,7 @@ fn positive(field: &'static str, value: f64) -> Result<f64, SamplingError> {
 /// Multiples of a step: of time over the whole motion, or of arc length over the
 /// whole path and of angle on each turn in place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Grid {
+pub(super) struct SampleGrid {
     pub(super) by_time: bool,
     step: f64,
     turn_step: f64,
@@ -100,13 +100,15 @@ impl Multiples {
     }
 }
 
-impl Grid {
+impl SampleGrid {
     pub(super) fn new(Sampling(kind): Sampling, profile: &Profile) -> Self {
         let instant = RESOLUTION * profile.duration();
         let (by_time, step) = match kind {
-            Kind::Period(seconds) => (true, seconds.max(instant)),
-            Kind::Count(count) => (true, (profile.duration() / (count - 1) as f64).max(instant)),
-            Kind::Spacing(metres) => {
+            SamplingKind::Period(seconds) => (true, seconds.max(instant)),
+            SamplingKind::Count(count) => {
+                (true, (profile.duration() / (count - 1) as f64).max(instant))
+            }
+            SamplingKind::Spacing(metres) => {
                 let least = (RESOLUTION * profile.length()).max(instant * profile.fastest());
                 (false, metres.max(least))
             }

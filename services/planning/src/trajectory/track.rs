@@ -26,7 +26,7 @@ pub(super) struct Track<const D: usize> {
 
 /// What has to be computed for each state of a leg.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(super) enum TrackShape {
     /// The position: a line.
     Line,
     /// The heading as well: a turn in place, a line that turns on the way.
@@ -93,11 +93,11 @@ impl<const D: usize> Track<D> {
 
     /// Selects `on_line`, `on_bend` or `on_arc`.
     #[inline]
-    pub(super) fn shape(&self) -> Shape {
+    pub(super) fn shape(&self) -> TrackShape {
         match &self.arc {
-            Some(_) => Shape::Arc,
-            None if self.curvature == 0.0 => Shape::Line,
-            None => Shape::Bend,
+            Some(_) => TrackShape::Arc,
+            None if self.curvature == 0.0 => TrackShape::Line,
+            None => TrackShape::Bend,
         }
     }
 
@@ -106,9 +106,9 @@ impl<const D: usize> Track<D> {
     #[inline]
     pub(super) fn state(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
         match self.shape() {
-            Shape::Line => self.on_line(time, along, speed),
-            Shape::Bend => self.on_bend(time, along, speed),
-            Shape::Arc => self.on_arc(time, along, speed),
+            TrackShape::Line => self.on_line(time, along, speed),
+            TrackShape::Bend => self.on_bend(time, along, speed),
+            TrackShape::Arc => self.on_arc(time, along, speed),
         }
     }
 

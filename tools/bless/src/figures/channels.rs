@@ -113,8 +113,8 @@ impl Section4 {
         let [min, max] = self.body;
         let mut from = [(min[0] + max[0]) / 2.0, (min[1] + max[1]) / 2.0];
         drawing.circle("dot", view.at(from), 2.5);
-        for corner in self.chain.corners() {
-            let center = corner.junction.center();
+        for junction in self.chain.junctions() {
+            let center = junction.space.center();
             let to = [center[0], center[1]];
             drawing.arrow("path", view.at(from), view.at(to));
             from = to;

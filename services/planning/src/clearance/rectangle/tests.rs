@@ -5,7 +5,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use proptest::prelude::*;
 
-use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND, nearest, over_curve, over_placement};
+use super::{
+    Footprint, Met, TURNING_WHILE_MOVING_BOUND, clearance_rectangle_curve,
+    clearance_rectangle_pose, nearest,
+};
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::motion::Curve;
@@ -226,11 +229,15 @@ fn footprint_without_extent_is_rejected() {
 fn no_walls_no_clearance() {
     let none = Walls::default();
     assert_eq!(
-        over_placement(&robot(), &point(0.0, 0.0), 1.0, &none, &Budget::default()).unwrap(),
+        clearance_rectangle_pose(&robot(), &point(0.0, 0.0), 1.0, &none, &Budget::default())
+            .unwrap(),
         None
     );
     let turn = Curve::Turn { position: point(0.0, 0.0), from_heading: 0.0, sweep: 1.0 };
-    assert_eq!(over_curve(&robot(), &turn, &none, &Budget::default()).unwrap(), None);
+    assert_eq!(
+        clearance_rectangle_curve(&robot(), &turn, &none, &Budget::default()).unwrap(),
+        None
+    );
 }
 
 #[test]
@@ -238,7 +245,8 @@ fn parallel_wall_is_met_where_it_begins() {
     let curve =
         Curve::Line { from: point(0.0, 0.0), to: point(10.0, 0.0), heading: 0.0, turned: 0.0 };
     let walls = walls(&[[9.0, 0.75, 4.0, 0.75]]);
-    let clearance = over_curve(&robot(), &curve, &walls, &Budget::default()).unwrap().unwrap();
+    let clearance =
+        clearance_rectangle_curve(&robot(), &curve, &walls, &Budget::default()).unwrap().unwrap();
     assert_eq!((clearance.value, clearance.at), (0.25, 3.25));
     assert_eq!(clearance.wall, point(4.0, 0.75));
 }
@@ -248,7 +256,8 @@ fn wall_across_a_line_is_touched_when_the_front_gets_there() {
     let curve =
         Curve::Line { from: point(0.0, 0.0), to: point(10.0, 0.0), heading: 0.0, turned: 0.0 };
     let walls = walls(&[[5.0, -3.0, 5.0, 3.0]]);
-    let clearance = over_curve(&robot(), &curve, &walls, &Budget::default()).unwrap().unwrap();
+    let clearance =
+        clearance_rectangle_curve(&robot(), &curve, &walls, &Budget::default()).unwrap().unwrap();
     assert_eq!((clearance.value, clearance.at), (0.0, 4.25));
 }
 

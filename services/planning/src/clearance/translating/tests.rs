@@ -1,5 +1,5 @@
 use super::*;
-use crate::disassembly::{Gap, Path, disassemble};
+use crate::disassembly::{DisassemblyPath, Gap, disassemble};
 use crate::free_space::random::{Scene, scenes};
 use crate::free_space::walls::Complement;
 use crate::free_space::{Chain, End};
@@ -24,8 +24,8 @@ fn section_4() -> Scene<2> {
     }
 }
 
-fn plan<const D: usize>(scene: &Scene<D>, gap: Gap<'_, D>) -> (Chain<D>, Path<D>) {
-    let (mut chain, mut path) = (Chain::default(), Path::default());
+fn plan<const D: usize>(scene: &Scene<D>, gap: Gap<'_, D>) -> (Chain<D>, DisassemblyPath<D>) {
+    let (mut chain, mut path) = (Chain::default(), DisassemblyPath::default());
     chain
         .build(&scene.channels, &scene.body.center(), End::Exit(scene.exit), &Budget::default())
         .expect("a chain");
@@ -61,7 +61,7 @@ fn measure<const D: usize>(
     legs: &[Leg<D>],
 ) -> (Clearance<D>, Vec<Clearance<D>>) {
     let mut each = Vec::new();
-    let whole = translating_clearance(body, walls, legs, &mut each, &Budget::default())
+    let whole = clearance_body_legs(body, walls, legs, &mut each, &Budget::default())
         .unwrap()
         .expect("there are walls");
     (whole, each)
@@ -190,12 +190,12 @@ fn nothing_to_measure_is_no_clearance() {
     let mut each = Vec::new();
     let legs = [leg([0., 0.], [1., 0.])];
     assert_eq!(
-        translating_clearance(&body, &Walls::default(), &legs, &mut each, &Budget::default())
+        clearance_body_legs(&body, &Walls::default(), &legs, &mut each, &Budget::default())
             .unwrap(),
         None
     );
     assert_eq!(
-        translating_clearance(
+        clearance_body_legs(
             &body,
             &solids(&[polygon(&FEMALE)]),
             &[],

@@ -40,14 +40,14 @@ fn least(mut low: f64, mut high: f64, function: &dyn Fn(f64) -> f64) -> f64 {
 
 /// Length of the shortest path that keeps `gap` in every junction and leaves by
 /// a pure exit motion.
-fn optimum(scene: &Scene<2>, chain: &Chain<2>, path: &Path<2>) -> f64 {
+fn optimum(scene: &Scene<2>, chain: &Chain<2>, path: &DisassemblyPath<2>) -> f64 {
     let spaces: Vec<[Vector<2>; 2]> = chain
-        .corners()
+        .junctions()
         .iter()
         .zip(path.gaps())
-        .map(|(corner, gap)| {
-            let junction = &corner.junction;
-            [junction.min() + gap - scene.body.min(), junction.max() - gap - scene.body.max()]
+        .map(|(junction, gap)| {
+            let space = &junction.space;
+            [space.min() + gap - scene.body.min(), space.max() - gap - scene.body.max()]
         })
         .collect();
     let mut points: Vec<Vector<2>> = spaces.iter().map(|[min, max]| (min + max) / 2.0).collect();
@@ -89,11 +89,11 @@ fn rules_are_optimal_in_section_4() {
 /// polyline turns in every corner's own sense is necessary but not sufficient:
 /// a body that starts closer to a wall than the gap can be drawn along the side
 /// of its first junction.
-fn is_held_by_its_corners(chain: &Chain<2>, path: &Path<2>) -> bool {
+fn is_held_by_its_corners(chain: &Chain<2>, path: &DisassemblyPath<2>) -> bool {
     let points = way_points(path);
-    chain.corners().iter().zip(points.windows(3)).all(|(corner, p)| {
+    chain.junctions().iter().zip(points.windows(3)).all(|(junction, p)| {
         let pull = (p[2] - p[1]).normalize() - (p[1] - p[0]).normalize();
-        corner.approach.coordinate(&pull) <= 0.0 && corner.leaving.coordinate(&pull) >= 0.0
+        junction.approach.coordinate(&pull) <= 0.0 && junction.leaving.coordinate(&pull) >= 0.0
     })
 }
 

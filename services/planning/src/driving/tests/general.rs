@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::scene::{Scene, channel, corridors, mirrored, point, turned};
 use crate::driving::rules::{TABLE_2, TurnRule};
-use crate::driving::{DrivingError, Gaps, Path, Pose, StartTurn, drive, route};
+use crate::driving::{CornerGaps, DrivingError, DrivingPath, Pose, StartTurn, drive, route};
 use crate::geometry::{Vector, unit};
 use crate::motion::{Curve, Leg, wrapped};
 
@@ -39,7 +39,7 @@ fn check_same(left: (Vector<2>, f64), right: (Vector<2>, f64), bound: f64) {
 
 /// Walks from corner to corner with (5.2)-(5.5) and the corrected table alone.
 /// Corners that the taut path does not touch are no part of either.
-fn check_by_rules(scene: &Scene, gaps: &[f64], path: &Path) {
+fn check_by_rules(scene: &Scene, gaps: &[f64], path: &DrivingPath) {
     let radius = |corner: usize| scene.footprint.width() / 2.0 + gaps[corner];
     let is_arc = |leg: &&Leg<2>| matches!(leg.curve, Curve::Arc { .. });
     let arcs: Vec<_> = path.legs().iter().filter(is_arc).collect();
@@ -73,7 +73,7 @@ fn check_by_rules(scene: &Scene, gaps: &[f64], path: &Path) {
 }
 
 /// Legs follow each other without a jump in place or heading, from start to goal.
-fn check_continuous(scene: &Scene, path: &Path) {
+fn check_continuous(scene: &Scene, path: &DrivingPath) {
     let mut at = (scene.start.position, scene.start.heading);
     for leg in path.legs() {
         let [from, to] = ends(leg);
@@ -100,9 +100,9 @@ proptest! {
     ) {
         let mut gaps: Vec<_> =
             (0..scene.corners.len()).map(|i| parts[i] * scene.balanced()).collect();
-        let mut path = Path::default();
+        let mut path = DrivingPath::default();
         // Very different gaps on both sides of a thin wall: what the refusal says will do, does.
-        while let Err(error) = route(&scene.drive(), Gaps::PerCorner(&gaps), &mut path, &Budget::default()) {
+        while let Err(error) = route(&scene.drive(), CornerGaps::PerCorner(&gaps), &mut path, &Budget::default()) {
             let DrivingError::CornersTooClose { first, second, most, .. } = error else {
                 panic!("{error}");
             };
@@ -118,9 +118,9 @@ proptest! {
     #[test]
     fn length_grows_with_the_gap_by_the_sum_of_sweeps(scene in corridors(50), part in 0.1..0.9) {
         let gap = part * scene.balanced();
-        let mut path = Path::default();
+        let mut path = DrivingPath::default();
         let mut length = |gap: f64| {
-            route(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
+            route(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
             let sweeps = path.legs().iter().map(|leg| match leg.curve {
                 Curve::Arc { sweep, .. } => sweep.abs(),
                 _ => 0.0,
@@ -143,8 +143,8 @@ proptest! {
         let mut scene = scene;
         scene.goal.heading = goal_heading;
         scene.start_turn = if moving { StartTurn::WhileMoving } else { StartTurn::InPlace };
-        let gap = Gaps::Uniform(part * scene.balanced());
-        let mut path = Path::default();
+        let gap = CornerGaps::Uniform(part * scene.balanced());
+        let mut path = DrivingPath::default();
         route(&scene.drive(), gap, &mut path, &Budget::default()).unwrap();
         let legs = path.legs().to_vec();
         let length = path.length();
@@ -176,11 +176,11 @@ fn ell() -> Scene {
 fn eight_orientations_of_one_corridor_are_the_eight_rules() {
     let mut scene = ell();
     let mut found = Vec::new();
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     let mut length = None;
     for _ in 0..2 {
         for _ in 0..4 {
-            drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+            drive(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
             found.push(scene.corners[0].rule.number);
             check_by_rules(&scene, &[0.6], &path);
             check_continuous(&scene, &path);
@@ -213,11 +213,11 @@ fn rows_obey_the_law_of_signs() {
 #[test]
 fn tangent_start_needs_no_turn() {
     let mut scene = ell();
-    let mut path = Path::default();
-    route(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    route(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let Curve::Turn { sweep, .. } = path.legs()[0].curve else { panic!("{:?}", path.legs()) };
     scene.start.heading += sweep;
-    route(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    route(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     assert!(matches!(path.legs()[0].curve, Curve::Line { turned: 0.0, .. }));
 }
 
@@ -226,8 +226,8 @@ fn turning_while_moving_ends_tangent() {
     let mut scene = ell();
     scene.start_turn = StartTurn::WhileMoving;
     scene.start.heading = 1.0;
-    let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    drive(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let Curve::Line { heading, turned, .. } = path.legs()[0].curve else { panic!() };
     assert!((heading - turned - 1.0).abs() < 1e-15 && turned > 0.0);
     check_continuous(&scene, &path);
@@ -241,8 +241,8 @@ fn half_a_turn_goes_left() {
     scene.channels.truncate(1);
     scene.start.heading = -std::f64::consts::FRAC_PI_2;
     scene.goal.heading = Some(-std::f64::consts::FRAC_PI_2);
-    let mut path = Path::default();
-    route(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    route(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let sweeps: Vec<_> = path
         .legs()
         .iter()
@@ -260,8 +260,8 @@ fn goal_at_the_start_is_reached_by_turning() {
     scene.corners.clear();
     scene.channels.truncate(1);
     scene.goal.position = scene.start.position;
-    let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    drive(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     // Already there, it turns by nothing.
     let Pose { position, heading } = scene.start;
     let stays = Curve::Turn { position, from_heading: heading, sweep: 0.0 };
@@ -269,7 +269,7 @@ fn goal_at_the_start_is_reached_by_turning() {
     assert_eq!(path.length().to_bits(), 0.0_f64.to_bits());
     assert!((path.clearance().unwrap().value - 0.75).abs() < 1e-15);
     scene.goal.heading = Some(0.0);
-    drive(&scene.drive(), Gaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
+    drive(&scene.drive(), CornerGaps::Uniform(0.6), &mut path, &Budget::default()).unwrap();
     let sweeps = path.legs().iter().map(|leg| leg.curve).collect::<Vec<_>>();
     assert!(matches!(sweeps[..], [Curve::Turn { sweep, .. }] if sweep != 0.0), "{sweeps:?}");
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::scene::{Scene, corridors};
 use crate::budget::Budget;
 use crate::clearance::rectangle::tests::{check_densely, pose};
-use crate::driving::{Corner, Gaps, Path, StartTurn, drive};
+use crate::driving::{Corner, CornerGaps, DrivingPath, StartTurn, drive};
 use crate::geometry::{Direction, unit};
 use crate::motion::Curve;
 
@@ -29,7 +29,7 @@ fn check_in_free_space(scene: &Scene, curve: &Curve<2>) {
 }
 
 /// Every leg's clearance against dense placements; the whole from its parts.
-fn check_path(scene: &Scene, path: &Path) {
+fn check_path(scene: &Scene, path: &DrivingPath) {
     assert_eq!(path.legs().len(), path.leg_clearances().len());
     let mut least = f64::INFINITY;
     for (leg, &value) in path.legs().iter().zip(path.leg_clearances()) {
@@ -55,8 +55,8 @@ proptest! {
         let mut scene = scene;
         scene.start_turn = if moving { StartTurn::WhileMoving } else { StartTurn::InPlace };
         let gap = part * scene.balanced();
-        let mut path = Path::default();
-        drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
+        let mut path = DrivingPath::default();
+        drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
         check_path(&scene, &path);
         // docs/method.md 6.3: with g up to g* nothing comes closer than the corners; only
         // where start or goal are nearer to the inner wall than the guiding circle
@@ -79,16 +79,16 @@ proptest! {
         let gaps: Vec<_> = scene.corners.iter().zip(&parts)
             .map(|(corner, part)| part * scene.balanced().min(corner.width()))
             .collect();
-        let mut path = Path::default();
-        if drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut path, &Budget::default()).is_ok() {
+        let mut path = DrivingPath::default();
+        if drive(&scene.drive(), CornerGaps::PerCorner(&gaps), &mut path, &Budget::default()).is_ok() {
             check_path(&scene, &path);
         }
     }
 
     #[test]
     fn same_question_same_answer(scene in corridors(20), other in corridors(50), part in 0.1..0.9) {
-        let gap = Gaps::Uniform(part * scene.balanced());
-        let mut path = Path::default();
+        let gap = CornerGaps::Uniform(part * scene.balanced());
+        let mut path = DrivingPath::default();
         let first = drive(&scene.drive(), gap, &mut path, &Budget::default());
         let before = path.clone();
         let _ = drive(&other.drive(), gap, &mut path, &Budget::default());
@@ -108,9 +108,9 @@ proptest! {
         let scene = super::scene::straight_ell(robot);
         let width = scene.corners.iter().map(Corner::width).fold(f64::INFINITY, f64::min);
         let gap = part * greatest_gap(&scene.footprint, width);
-        let mut path = Path::default();
+        let mut path = DrivingPath::default();
         let scene = super::scene::approached_at(scene, gap);
-        drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
+        drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
         let wanted = gap.min(width - outer_radius(&scene.footprint, gap));
         let turning = path.turning().unwrap();
         prop_assert!((turning.value - wanted).abs() < 1e-12, "{} {wanted}", turning.value);
@@ -123,8 +123,8 @@ proptest! {
     fn corridors_obey_the_closed_form(scene in corridors(20), part in 0.05..1.6) {
         use crate::driving::limits::outer_radius;
         let gap = part * scene.balanced();
-        let mut path = Path::default();
-        if drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).is_err() {
+        let mut path = DrivingPath::default();
+        if drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).is_err() {
             return Ok(());
         }
         let arcs: Vec<_> = path

@@ -5,15 +5,24 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::scene::{Scene, channel, corridor_a, point};
 use crate::driving::rules::TABLE_2;
-use crate::driving::{Corner, DrivingError, Gaps, Path, Pose, StartTurn, drive, route};
+use crate::driving::{
+    Corner, CornerGaps, DrivingError, DrivingPath, Pose, StartTurn, drive, route,
+};
 use crate::free_space::walls::Wall;
 
 fn refused(scene: &Scene, gap: f64) -> DrivingError {
-    drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default(), &Budget::default()).unwrap_err()
+    drive(&scene.drive(), CornerGaps::Uniform(gap), &mut DrivingPath::default(), &Budget::default())
+        .unwrap_err()
 }
 
 fn accepted(scene: &Scene, gap: f64) {
-    drive(&scene.drive(), Gaps::Uniform(gap), &mut Path::default(), &Budget::default()).unwrap();
+    drive(
+        &scene.drive(),
+        CornerGaps::Uniform(gap),
+        &mut DrivingPath::default(),
+        &Budget::default(),
+    )
+    .unwrap();
 }
 
 fn block(scene: &mut Scene, [ax, ay, bx, by]: [f64; 4]) {
@@ -36,8 +45,8 @@ fn closed_gap_is_rejected() {
 fn gaps_must_be_as_many_as_corners() {
     let error = drive(
         &corridor_a().drive(),
-        Gaps::PerCorner(&[0.2]),
-        &mut Path::default(),
+        CornerGaps::PerCorner(&[0.2]),
+        &mut DrivingPath::default(),
         &Budget::default(),
     );
     assert_eq!(error, Err(DrivingError::GapCount { has: 1, needs: 3 }));
@@ -80,7 +89,13 @@ fn start_inside_the_guiding_circle_is_rejected_with_what_is_left() {
         panic!();
     };
     assert!((most - (libm::hypot(0.8, 0.5) - 0.5)).abs() < 1e-15);
-    route(&scene.drive(), Gaps::Uniform(most), &mut Path::default(), &Budget::default()).unwrap();
+    route(
+        &scene.drive(),
+        CornerGaps::Uniform(most),
+        &mut DrivingPath::default(),
+        &Budget::default(),
+    )
+    .unwrap();
 }
 
 #[test]
@@ -148,8 +163,8 @@ fn wall_in_the_way_names_leg_and_place() {
     block(&mut scene, [16.0, 17.0, 16.0, 18.0]);
     let error = refused(&scene, 0.2);
     let DrivingError::WallInTheWay { leg, at, wall } = error else { panic!("{error}") };
-    let mut path = Path::default();
-    route(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    route(&scene.drive(), CornerGaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     assert_eq!(leg + 1, path.legs().len());
     assert_eq!(wall.x, 16.0);
     assert!((0.0..path.legs()[leg].curve.length()).contains(&at));
@@ -168,7 +183,12 @@ fn thin_wall_between_unequal_gaps_is_refused_with_what_would_do() {
     let start = Pose { position: point(1.5, 1.5), heading: FRAC_PI_2 };
     let scene = Scene::new(&channels, start, [4.8, 1.5]);
     let try_gaps = |gaps: [f64; 2]| {
-        drive(&scene.drive(), Gaps::PerCorner(&gaps), &mut Path::default(), &Budget::default())
+        drive(
+            &scene.drive(),
+            CornerGaps::PerCorner(&gaps),
+            &mut DrivingPath::default(),
+            &Budget::default(),
+        )
     };
     let Err(DrivingError::CornersTooClose { first: 0, second: 1, has, needs, most }) =
         try_gaps([0.2, 0.9])
@@ -196,7 +216,13 @@ fn opposite_turns_too_close_are_refused_with_what_would_do() {
         panic!();
     };
     assert!((most - (has - 1.0) / 2.0).abs() < 1e-12);
-    route(&scene.drive(), Gaps::Uniform(most), &mut Path::default(), &Budget::default()).unwrap();
+    route(
+        &scene.drive(),
+        CornerGaps::Uniform(most),
+        &mut DrivingPath::default(),
+        &Budget::default(),
+    )
+    .unwrap();
 }
 
 #[test]
@@ -209,15 +235,15 @@ fn corner_that_the_path_does_not_touch_is_left_out() {
     ];
     let start = Pose { position: point(2.5, 1.5), heading: FRAC_PI_2 };
     let mut scene = Scene::new(&channels, start, [2.5, 18.0]);
-    let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    drive(&scene.drive(), CornerGaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     assert_eq!(path.legs().len(), 1);
     assert_eq!(path.turning(), path.clearance());
     assert!((path.clearance().unwrap().value - 0.75).abs() < 1e-12);
     // From further left the first corner is touched, the second is not.
     scene.start.position.x = 3.4;
     scene.goal.position.x = 3.4;
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
+    drive(&scene.drive(), CornerGaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     let touched: Vec<_> = path.legs().iter().filter_map(|leg| leg.junction).collect();
     assert_eq!(touched, [0, 0]);
 }
@@ -254,11 +280,11 @@ fn body_inside_a_solid_is_rejected() {
 #[test]
 fn heading_beyond_half_a_turn_is_the_same_heading() {
     let mut scene = corridor_a();
-    let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    drive(&scene.drive(), CornerGaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     let legs = path.legs().to_vec();
     scene.start.heading += 4.0 * PI;
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
+    drive(&scene.drive(), CornerGaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     assert_eq!(legs.len(), path.legs().len());
     assert_eq!(legs[1..], path.legs()[1..]);
 }

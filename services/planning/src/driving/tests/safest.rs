@@ -5,13 +5,13 @@ use proptest::prelude::*;
 
 use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_ell};
 use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
-use crate::driving::{DrivingError, Gaps, Path, drive, safest};
+use crate::driving::{CornerGaps, DrivingError, DrivingPath, drive, safest};
 use crate::free_space::walls::Wall;
 use crate::motion::Curve;
 
 fn turning(scene: &Scene, gap: f64) -> f64 {
-    let mut path = Path::default();
-    let driven = drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default());
+    let mut path = DrivingPath::default();
+    let driven = drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default());
     driven.map_or(0.0, |()| path.turning().unwrap().value)
 }
 
@@ -28,8 +28,8 @@ fn limits_of_the_worked_robot() {
 
 /// About which corners the way with this gap turns.
 fn turned_about(scene: &Scene, gap: f64) -> Vec<usize> {
-    let mut path = Path::default();
-    let _ = drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default());
+    let mut path = DrivingPath::default();
+    let _ = drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default());
     let arcs = path.legs().iter().filter(|leg| matches!(leg.curve, Curve::Arc { .. }));
     arcs.filter_map(|leg| leg.junction).collect()
 }
@@ -53,7 +53,7 @@ fn check_unbeaten(scene: &Scene, found: f64, most: f64) {
 fn pillar_beside_the_way_makes_the_gap_smaller() {
     let mut scene = corridor_a();
     scene.walls.push(Wall { from: point(1.2, 10.2), to: point(1.3, 10.0) });
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     let found = safest(&scene.drive(), &mut path, &Budget::default()).unwrap();
     assert!(found < 119.0 / 128.0);
     assert_eq!(path.turning().unwrap().value, turning(&scene, found));
@@ -66,7 +66,7 @@ fn start_near_the_corner_bounds_the_gap() {
     scene.start.position = point(2.2, 7.3);
     scene.start.heading = 1.2;
     let most = libm::hypot(0.8, 0.7) - 0.5;
-    let found = safest(&scene.drive(), &mut Path::default(), &Budget::default()).unwrap();
+    let found = safest(&scene.drive(), &mut DrivingPath::default(), &Budget::default()).unwrap();
     assert!(found <= most + 1e-12);
     check_unbeaten(&scene, found, most);
 }
@@ -75,7 +75,7 @@ fn start_near_the_corner_bounds_the_gap() {
 fn corridor_without_a_way_says_why() {
     let mut scene = corridor_a();
     scene.walls.push(Wall { from: point(0.0, 5.0), to: point(3.0, 5.0) });
-    let refusal = safest(&scene.drive(), &mut Path::default(), &Budget::default());
+    let refusal = safest(&scene.drive(), &mut DrivingPath::default(), &Budget::default());
     assert!(matches!(refusal, Err(DrivingError::WallInTheWay { .. })), "{refusal:?}");
 }
 
@@ -85,20 +85,20 @@ fn no_corner_no_gap() {
     scene.corners.clear();
     scene.channels.truncate(1);
     scene.goal.position = point(1.5, 8.0);
-    let mut path = Path::default();
+    let mut path = DrivingPath::default();
     assert_eq!(safest(&scene.drive(), &mut path, &Budget::default()), Ok(0.0));
     assert_eq!(path.length(), (point(1.5, 8.0) - point(1.2, 1.5)).norm());
 }
 
 #[test]
 fn parts_of_the_safest_gap_run_from_short_to_safe() {
-    let (scene, mut path) = (corridor_a(), Path::default());
+    let (scene, mut path) = (corridor_a(), DrivingPath::default());
     let found = safest(&scene.drive(), &mut path, &Budget::default()).unwrap();
     assert_eq!(found, 119.0 / 128.0);
     let (mut length, mut turning) = (0.0, 0.0);
     for part in 1..=9 {
         let gap = found * f64::from(part) / 9.0;
-        drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
+        drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
         let clearance = path.turning().unwrap().value;
         assert!(length < path.length() && turning < clearance, "{part} ninths");
         (length, turning) = (path.length(), clearance);
@@ -111,7 +111,7 @@ proptest! {
 
     #[test]
     fn nothing_beats_the_safest_gap(scene in corridors(6)) {
-        let mut path = Path::default();
+        let mut path = DrivingPath::default();
         if let Ok(found) = safest(&scene.drive(), &mut path, &Budget::default()) {
             let most = scene.corners.iter().map(crate::driving::Corner::width).fold(f64::INFINITY, f64::min);
             check_unbeaten(&scene, found, most - scene.footprint.width() / 2.0);
@@ -123,6 +123,6 @@ proptest! {
         let scene = straight_ell(robot);
         let gap = scene.balanced();
         let scene = approached_at(scene, gap);
-        prop_assert_eq!(safest(&scene.drive(), &mut Path::default(), &Budget::default()), Ok(gap));
+        prop_assert_eq!(safest(&scene.drive(), &mut DrivingPath::default(), &Budget::default()), Ok(gap));
     }
 }

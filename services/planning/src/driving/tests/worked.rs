@@ -2,7 +2,7 @@
 
 use super::scene::{Scene, corridor_a, corridor_b};
 use crate::budget::Budget;
-use crate::driving::{Gaps, Path, drive, safest};
+use crate::driving::{CornerGaps, DrivingPath, drive, safest};
 use crate::motion::Curve;
 
 /// `worked-corridors.txt` was computed by an independent program and checked
@@ -36,8 +36,8 @@ fn check_block(block: &str) {
     let (head, rows) = block.split_once('\n').unwrap();
     let scene = if head.starts_with('A') { corridor_a() } else { corridor_b() };
     let gap = number(head, "gap");
-    let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).unwrap();
 
     close(path.length(), number(head, "total"));
     let lengths: Vec<_> = path.legs().iter().map(|leg| leg.curve.length()).collect();
@@ -55,7 +55,7 @@ fn check_block(block: &str) {
     }
 }
 
-fn check_corner(scene: &Scene, path: &Path, corner: usize, gap: f64, row: &str) {
+fn check_corner(scene: &Scene, path: &DrivingPath, corner: usize, gap: f64, row: &str) {
     let place = &scene.corners[corner];
     let rule = place.rule;
     assert!(row.contains(&format!(" R{} ", rule.number)), "rule {} in {row}", rule.number);
@@ -100,7 +100,7 @@ fn worked_corridors_come_out_to_the_last_digits() {
 #[test]
 fn three_metre_corridors_are_safest_with_119_128ths() {
     for scene in [corridor_a(), corridor_b()] {
-        let mut path = Path::default();
+        let mut path = DrivingPath::default();
         assert_eq!(safest(&scene.drive(), &mut path, &Budget::default()), Ok(119.0 / 128.0));
         let turning = path.turning().unwrap().value;
         assert!((turning - 119.0 / 128.0).abs() < 1e-12, "{turning}");
@@ -121,8 +121,8 @@ fn clearance_is_met_first_where_the_front_passes_the_corner() {
     // The gap is left from half a length before the first arriving point on
     // (docs/method.md 6.1), and equally at every corner after.
     let scene = corridor_a();
-    let mut path = Path::default();
-    drive(&scene.drive(), Gaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
+    let mut path = DrivingPath::default();
+    drive(&scene.drive(), CornerGaps::Uniform(0.2), &mut path, &Budget::default()).unwrap();
     let clearance = path.clearance().unwrap();
     close(clearance.at, 45.0_f64.sqrt() - 0.75);
     assert!((clearance.wall - scene.corners[0].point).amax() < 1e-12);

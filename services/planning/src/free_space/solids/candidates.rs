@@ -218,7 +218,7 @@ impl<const D: usize> Candidates<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::budget::Limits;
+    use crate::budget::Allowance;
     use proptest::prelude::*;
 
     const EDGE: u32 = 40;
@@ -241,7 +241,7 @@ mod tests {
             let mut candidates = Candidates::default();
             let (mut expected, mut taken) = (Vec::new(), Vec::new());
             candidates.clear();
-            let budget = Budget::new(Limits { channels: 200, ..Limits::NONE });
+            let budget = Budget::new(Allowance { channels: 200, ..Allowance::NONE });
             for (parts, solids) in &rounds {
                 for part in parts {
                     let room = expected.len() < 200;

@@ -38,7 +38,7 @@ pub(super) struct Sweep<const D: usize> {
 }
 
 /// What stays the same during a sweep.
-struct Scene<'a, const D: usize> {
+struct SweepTask<'a, const D: usize> {
     bounds: Part<D>,
     body: &'a Vector<D>,
     budget: &'a Budget<'a>,
@@ -60,7 +60,7 @@ impl<const D: usize> Sweep<D> {
         self.found.clear();
         self.steps = 0;
         let mut held = Held::new(budget, 0)?;
-        self.sweep(&Scene { bounds, body, budget }, &mut held)?;
+        self.sweep(&SweepTask { bounds, body, budget }, &mut held)?;
 
         budget.step(SORTING * self.found.len() as u64)?;
         self.found.sort_unstable();
@@ -72,8 +72,8 @@ impl<const D: usize> Sweep<D> {
         Ok(())
     }
 
-    fn sweep(&mut self, scene: &Scene<'_, D>, held: &mut Held<'_>) -> Result<(), Spent> {
-        let Scene { bounds, budget, .. } = scene;
+    fn sweep(&mut self, scene: &SweepTask<'_, D>, held: &mut Held<'_>) -> Result<(), Spent> {
+        let SweepTask { bounds, budget, .. } = scene;
         if (0..D).all(|axis| self.is_larger(bounds, axis, scene)) {
             self.insert(*bounds, scene)?;
         }
@@ -202,7 +202,7 @@ impl<const D: usize> Sweep<D> {
     }
 
     /// Whether a part is larger than the body along an axis.
-    fn is_larger(&self, part: &Part<D>, axis: usize, scene: &Scene<'_, D>) -> bool {
+    fn is_larger(&self, part: &Part<D>, axis: usize, scene: &SweepTask<'_, D>) -> bool {
         let at = |rank| self.axes[axis].at(rank);
         at(part.max[axis]) - at(part.min[axis]) > scene.body[axis].max(0.0)
     }
@@ -222,7 +222,7 @@ impl<const D: usize> Sweep<D> {
         &mut self,
         part: &Part<D>,
         newest: usize,
-        scene: &Scene<'_, D>,
+        scene: &SweepTask<'_, D>,
         cut: usize,
     ) -> Result<bool, Spent> {
         for axis in (0..D).filter(|axis| *axis != cut) {
@@ -241,7 +241,7 @@ impl<const D: usize> Sweep<D> {
         &mut self,
         part: &Part<D>,
         newest: usize,
-        scene: &Scene<'_, D>,
+        scene: &SweepTask<'_, D>,
         axis: usize,
         sign: Sign,
     ) -> Result<bool, Spent> {
@@ -284,7 +284,7 @@ impl<const D: usize> Sweep<D> {
         Ok(found)
     }
 
-    fn insert(&mut self, part: Part<D>, scene: &Scene<'_, D>) -> Result<(), Spent> {
+    fn insert(&mut self, part: Part<D>, scene: &SweepTask<'_, D>) -> Result<(), Spent> {
         self.candidates.insert(part, &scene.bounds, scene.budget)
     }
 }

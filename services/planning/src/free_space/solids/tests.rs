@@ -1,5 +1,5 @@
 use super::*;
-use crate::budget::Limits;
+use crate::budget::Allowance;
 use crate::geometry::orientation::segments_meet;
 use crate::geometry::polygon::edges;
 use crate::section_4::{CHANNELS, FEMALE, MALE};
@@ -174,7 +174,7 @@ fn tolerance_must_be_positive() {
     check_error(push(0.0), SolidsError::ToleranceNotPositive { tolerance: 0.0, least: 0.0 });
     check_error(push(-1.0), SolidsError::ToleranceNotPositive { tolerance: -1.0, least: 0.0 });
     assert!(push(f64::NAN).is_err());
-    let few = Budget::new(Limits { pieces: 1 << 21, ..Limits::NONE });
+    let few = Budget::new(Allowance { pieces: 1 << 21, ..Allowance::NONE });
     let result = Solids::default().push_polygon(&roof, 1e-300, &few);
     check_error(result, Spent::Limit { cap: Cap::Pieces, most: 1 << 21 }.into());
 }
@@ -193,12 +193,12 @@ fn caps_are_kept() {
         // What was held is given back.
         assert_eq!(budget.drawn(Cap::Bytes), 0);
     };
-    let none = Limits::NONE;
-    check(Limits { pieces: 19, ..none }, Cap::Pieces, 19);
-    check(Limits { channels: 5, ..none }, Cap::Channels, 5);
-    check(Limits { channel_steps: 9, ..none }, Cap::ChannelSteps, 9);
-    check(Limits { steps: 300, ..none }, Cap::Steps, 300);
-    check(Limits { bytes: 4_000, ..none }, Cap::Bytes, 4_000);
+    let none = Allowance::NONE;
+    check(Allowance { pieces: 19, ..none }, Cap::Pieces, 19);
+    check(Allowance { channels: 5, ..none }, Cap::Channels, 5);
+    check(Allowance { channel_steps: 9, ..none }, Cap::ChannelSteps, 9);
+    check(Allowance { steps: 300, ..none }, Cap::Steps, 300);
+    check(Allowance { bytes: 4_000, ..none }, Cap::Bytes, 4_000);
 }
 
 /// Every box between grid lines, looked at one by one.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::budget::{Cap, Limits};
+use crate::budget::{Allowance, Cap};
 use proptest::prelude::*;
 
 fn polygon(vertices: &[[f64; 2]]) -> Result<Polygon, PolygonError> {
@@ -121,7 +121,7 @@ fn intricate_polygon_is_rejected_in_bounded_time() {
         vertices.extend(if i % 2 == 0 { [near, far] } else { [far, near] });
     }
     vertices.push([-50.0, -50.0]);
-    let budget = Budget::new(Limits { steps: 1 << 26, ..Limits::NONE });
+    let budget = Budget::new(Allowance { steps: 1 << 26, ..Allowance::NONE });
     let vertices = vertices.into_iter().map(Vector::from).collect();
     let spent = Spent::Limit { cap: Cap::Steps, most: 1 << 26 };
     assert_eq!(Polygon::new(vertices, &budget), Err(spent.into()));

@@ -24,18 +24,18 @@ const BOUNDS: ([f64; 2], [f64; 2]) = ([0., 0.], [8., 6.]);
 fn look(solids: &[AxisBox<2>], start: [f64; 2], goal: [f64; 2]) -> Option<Blocked<2>> {
     let bounds = space(BOUNDS.0, BOUNDS.1);
     let boxes = all_boxes(&mut with_boxes(solids), &bounds, &Vector::zeros());
-    let robot = Driving::new(start.into(), goal.into(), Vector::repeat(2.0), (1.0, 0.2));
+    let robot = RobotMover::new(start.into(), goal.into(), Vector::repeat(2.0), (1.0, 0.2));
     blocked(&boxes, &bounds, &Vector::repeat(1.0), robot.traveller(), &Budget::default()).unwrap()
 }
 
-fn place(min: [f64; 2], max: [f64; 2]) -> Place<2> {
-    Place { min: min.into(), max: max.into() }
+fn place(min: [f64; 2], max: [f64; 2]) -> Region<2> {
+    Region { min: min.into(), max: max.into() }
 }
 
 #[track_caller]
 fn check_narrow(
     blocked: Option<Blocked<2>>,
-    place: Place<2>,
+    place: Region<2>,
     axis: usize,
     has: f64,
     others: usize,
@@ -188,7 +188,7 @@ fn check_missing<const D: usize>(
     let boxes: Vec<_> = boxes.iter().filter_map(|solid| solid.intersection(&bounds)).collect();
     let mut solids = with_boxes(&boxes);
     let all = all_boxes(&mut solids, &bounds, &Vector::zeros());
-    let body_out = Translating::new(body, Gap::Safest, End::Exit(exit)).expect("a traveller");
+    let body_out = BodyMover::new(body, Gap::Safest, End::Exit(exit)).expect("a traveller");
     let found =
         blocked(&all, &bounds, &body.size(), body_out.traveller(), &Budget::default()).unwrap();
     const LITTLE: f64 = 1.0 / 64.0;
@@ -201,7 +201,7 @@ fn check_missing<const D: usize>(
             prop_assert!(!gets_out(&mut solids, &bounds, body, exit, missing));
             prop_assert!(gets_out(&mut solids, &bounds, body, exit, missing + LITTLE));
             // The place is free, and as wide as it is said to be.
-            let Place { min, max } = passage.place;
+            let Region { min, max } = passage.place;
             prop_assert_eq!(max[passage.axis] - min[passage.axis], passage.has);
             if let Ok(place) = AxisBox::new(min, max) {
                 prop_assert!(boxes.iter().all(|solid| solid.intersection(&place).is_none()));

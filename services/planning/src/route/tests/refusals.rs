@@ -1,7 +1,7 @@
 //! What is said where there is no route.
 
 use super::*;
-use crate::budget::Limits;
+use crate::budget::Allowance;
 use crate::route::widest::{Change, Space, extent};
 
 #[test]
@@ -96,7 +96,7 @@ fn only_what_would_take_too_long_is_not_told() {
 }
 
 fn steps(route_steps: u64) -> Budget<'static> {
-    Budget::new(Limits { route_steps, ..Limits::NONE })
+    Budget::new(Allowance { route_steps, ..Allowance::NONE })
 }
 
 /// What the widest way lacks: the least that joins start and end when junctions are
@@ -138,8 +138,8 @@ fn check_widest<const D: usize>(
     gap: Gap<'_, D>,
     walled: bool,
 ) -> Result<(), TestCaseError> {
-    let motion = Translating::new(&crowd.body, gap, End::Exit(crowd.exit));
-    let traveller = *motion.expect("a traveller").traveller();
+    let mover = BodyMover::new(&crowd.body, gap, End::Exit(crowd.exit));
+    let traveller = *mover.expect("a traveller").traveller();
     let mut graph = Graph::default();
     graph.build(&crowd.channels, &Budget::default()).expect("few junctions");
     let mouth = farthest(&crowd.channels, crowd.exit);

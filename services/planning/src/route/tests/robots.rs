@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::clearance::rectangle::Footprint;
-use crate::driving::{self, Drive, DrivingError, Gaps, Goal, Pose, StartTurn, corners_of};
+use crate::driving::{self, CornerGaps, Drive, DrivingError, Goal, Pose, StartTurn, corners_of};
 use crate::free_space::walls::{Complement, Wall, Walls};
 use crate::geometry::box_tree::distance_squared_box_box;
 use crate::geometry::unit;
@@ -25,20 +25,24 @@ impl Errand {
         self.size + self.gap
     }
 
-    fn robot(&self) -> Driving {
+    fn robot(&self) -> RobotMover {
         let needs = Vector::repeat(self.needs());
-        Driving::new(self.start, self.goal, needs, (self.size, self.gap))
+        RobotMover::new(self.start, self.goal, needs, (self.size, self.gap))
     }
 
     /// The length of the drive through these channels, all walls considered.
-    fn length_along(&self, route: &[usize], path: &mut driving::Path) -> Result<f64, Refused> {
+    fn length_along(
+        &self,
+        route: &[usize],
+        path: &mut driving::DrivingPath,
+    ) -> Result<f64, Refused> {
         let channels: Vec<_> = route.iter().map(|index| self.channels[*index]).collect();
         self.length_within(&channels, (self.size, self.gap), &self.walls, path)
     }
 
     /// Whether the centre's path leads from channel to channel through their junctions,
     /// looked at point by point, not just touching them.
-    fn stays_in(&self, route: &[usize], path: &driving::Path) -> bool {
+    fn stays_in(&self, route: &[usize], path: &driving::DrivingPath) -> bool {
         let channels: Vec<_> = route.iter().map(|index| self.channels[*index]).collect();
         let junctions: Vec<_> = channels
             .windows(2)
@@ -78,7 +82,7 @@ impl Errand {
         channels: &[AxisBox<2>],
         (size, gap): (f64, f64),
         walls: &Walls<2>,
-        path: &mut driving::Path,
+        path: &mut driving::DrivingPath,
     ) -> Result<f64, Refused> {
         let (mut chain, mut corners) = (Chain::default(), Vec::new());
         chain
@@ -95,7 +99,7 @@ impl Errand {
             corners: &corners,
             walls,
         };
-        driving::drive(&task, Gaps::Uniform(gap), path, &Budget::default())
+        driving::drive(&task, CornerGaps::Uniform(gap), path, &Budget::default())
             .map_err(Refused::Drive)?;
         Ok(path.length())
     }
@@ -105,7 +109,7 @@ impl Errand {
         let mut blocked = false;
         let (mut graph, mut router) = (Graph::default(), Router::default());
         graph.build(&self.channels, &Budget::default()).expect("few junctions");
-        let mut path = driving::Path::default();
+        let mut path = driving::DrivingPath::default();
         let (walls, mut robot) = (Some(&self.walls), self.robot());
         let found = router.find_judged(
             &graph,
@@ -138,7 +142,7 @@ impl Errand {
                     junction.size().iter().all(|extent| *extent > self.needs())
                 })
         };
-        let mut path = driving::Path::default();
+        let mut path = driving::DrivingPath::default();
         let mut least = (f64::INFINITY, f64::INFINITY);
         let all = 0..self.channels.len();
         let starts = all.clone().filter(|index| holds(index, &self.start));
@@ -194,7 +198,7 @@ fn check_shortest(errand: &Errand, most: usize) {
     let (found, blocked) = errand.find();
     match found {
         Ok((route, length)) => {
-            let mut path = driving::Path::default();
+            let mut path = driving::DrivingPath::default();
             let along = errand.length_along(&route, &mut path).ok();
             assert_eq!(along, Some(length), "{route:?}");
             // What is known to block a line may rule out more than it must.
@@ -282,7 +286,7 @@ fn worked_corridors_are_put_in_order() {
         let (route, length) = errand.find().0.expect("a route");
         let backwards: Vec<_> = (0..order.len()).rev().collect();
         assert_eq!(route, backwards);
-        let mut path = driving::Path::default();
+        let mut path = driving::DrivingPath::default();
         assert_eq!(errand.length_along(&backwards, &mut path).ok(), Some(length));
     };
     check(

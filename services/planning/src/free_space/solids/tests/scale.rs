@@ -1,7 +1,7 @@
 //! How work and memory grow, and scenes made to be hard.
 
 use super::*;
-use crate::budget::Limits;
+use crate::budget::Allowance;
 use crate::free_space::solids::candidates::Candidates;
 use crate::geometry::work;
 
@@ -118,8 +118,8 @@ fn memory_is_as_documented() {
 }
 
 /// What the planner allows.
-const LIMITS: Limits =
-    Limits { pieces: 1 << 20, channels: 1 << 18, channel_steps: 1 << 26, ..Limits::NONE };
+const LIMITS: Allowance =
+    Allowance { pieces: 1 << 20, channels: 1 << 18, channel_steps: 1 << 26, ..Allowance::NONE };
 
 /// Finds channels larger than 0.1 m within 9 m around all solids: how many, or why not.
 fn count<const D: usize>(boxes: &[AxisBox<D>]) -> Result<usize, Spent> {
