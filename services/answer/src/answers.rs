@@ -1,5 +1,4 @@
-//! What all tasks have in common: one answer after the other, each planned and written, or
-//! refused.
+//! What all tasks have in common: one answer after the other is planned and written, or refused.
 
 use planning::budget::{Budget, Spent};
 use planning::motion::Leg;
@@ -16,7 +15,7 @@ use crate::refuse::{self, Refused};
 use crate::stop::StopFlag;
 use crate::wish::{Wish, Wishes};
 
-/// What a request draws from: its budget, and what was made for requests before it.
+/// What a request draws on: its budget, and what was made for earlier requests.
 #[derive(Debug)]
 pub(crate) struct Resources<'a> {
     pub(crate) caps: &'a Caps,
@@ -60,8 +59,8 @@ pub(crate) trait Job {
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error>;
 }
 
-/// Answers every wish in turn. What is refused is written in place of its answer; if there is
-/// but one answer, or nothing would help the first, the request as a whole is refused.
+/// Answers every wish in turn. A refusal is written in place of the answer. If only one answer is
+/// wished for, or none can be given, the request as a whole is refused.
 pub(crate) fn answer_each<S: PartSink>(
     job: &mut impl Job,
     wishes: &Wishes<'_>,

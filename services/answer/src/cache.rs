@@ -1,13 +1,12 @@
 //! What requests over the same free space have in common, kept from one to the next.
 //!
-//! Kept is what takes long to make: the junctions of channels ([`Graph`]), be they given in any
-//! order or made from solids, and walls with their index ([`Walls`]), be they the surfaces of solids
-//! or the complement of channels. Each is kept beside the content that it was made from, all of it,
-//! and found by equal content only. A request that finds something draws from its budget what
+//! The cache keeps what takes long to make: channels and their junctions ([`Graph`]), walls and
+//! their index ([`Walls`]), and the free boxes that explain refusals. The key is the whole content
+//! that an entry was made from, and a request that finds an entry draws from its budget what
 //! making it would have drawn. So the cache changes no reply.
 //!
-//! What a request uses stays until the request ends, so that its exits and answers share it however
-//! small the bound is. Then what was used least recently goes until the bound holds.
+//! What a request uses stays until the request ends, however small the bound is: its exits and
+//! answers share it. Then the least recently used entries are dropped until the bound holds.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -19,23 +18,23 @@ use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, HalfSpace, Sign};
 
-/// More entries than these are small ones, which are made again as fast as found.
+/// With more entries than these, they are so small that making them is as fast as finding them.
 const MOST_ENTRIES: usize = 4096;
 
-/// What was found among what a workspace keeps from one request to the next, and what it holds.
+/// What a workspace's cache has found, and what it holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CacheStats {
-    /// How often something was there.
+    /// How often an entry was found.
     pub hits: u64,
-    /// How often something had to be made.
+    /// How often one had to be made.
     pub misses: u64,
-    /// How many things it holds.
+    /// The entries that it holds.
     pub entries: usize,
     /// The memory that they take, bytes.
     pub bytes: usize,
 }
 
-/// What can be kept.
+/// A value that the cache can keep.
 pub(crate) trait Cached: Any + Send + Sync {
     /// The memory that it holds, bytes.
     fn bytes(&self) -> usize;
@@ -63,7 +62,7 @@ impl<const D: usize> Cached for FreeBoxes<D> {
     }
 }
 
-/// What is made from the content that follows.
+/// What an entry is, and what its content describes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Kind {
     /// Channels and their junctions.
@@ -78,7 +77,7 @@ pub(crate) enum Kind {
     SolidsWalls,
 }
 
-/// All that something is made from, in words.
+/// Everything that an entry is made from, in words.
 #[derive(Debug, Default)]
 pub(crate) struct Content(Vec<u64>);
 
@@ -142,7 +141,7 @@ const ENTRY_BYTES: usize =
     size_of::<Box<[u64]>>() + size_of::<Entry>() + 2 * size_of::<usize>() + 2 * 9;
 
 impl Cache {
-    /// An empty one, that holds at most so many bytes from one request to the next.
+    /// An empty cache that holds at most `most_bytes` from one request to the next.
     pub(crate) fn new(most_bytes: usize) -> Self {
         Self {
             most_bytes,
@@ -173,7 +172,7 @@ impl Cache {
         self.most_bytes
     }
 
-    /// Begins to say what [`Cache::get`] is to look for.
+    /// Begins to describe what [`Cache::get`] looks for.
     pub(crate) fn describe(&mut self, kind: Kind, dimension: usize) -> &mut Content {
         self.content.0.clear();
         self.content.word((kind as u64) << 8 | dimension as u64);
@@ -226,8 +225,7 @@ impl Cache {
         Some(made)
     }
 
-    /// Forgets what is too much, now that a request has ended which left `elsewhere` bytes in
-    /// other memory under the same bound.
+    /// Drops entries until the bound holds, of which `elsewhere` bytes are used by other memory.
     pub(crate) fn end_request(&mut self, elsewhere: usize) {
         let most = self.most_bytes.saturating_sub(elsewhere);
         // What is larger than the bound by itself is no reason to forget anything else.

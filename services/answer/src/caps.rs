@@ -6,15 +6,14 @@ use serde::Deserialize;
 
 use crate::refuse;
 
-/// The most that one request may cost, in memory and in time. What would cost more is
-/// refused with both numbers.
+/// The most that one request may cost, in memory and in time. A request that would cost more is
+/// refused, and the refusal names the cap.
 ///
 /// The same request under the same caps has the same reply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Caps {
-    /// Cells of 8 bytes of a request that is read. Bounds the memory that a scene takes, which
-    /// is at most some ten times as much. 2^26: 512 MiB.
+    /// The size of a request, in cells of 8 bytes. 2^26: 512 MiB.
     pub cells: usize,
     /// Steps of any kind, all answers to a request together. Bounds time: 5 to 50 ns each. 2^28.
     pub steps: u64,
@@ -56,8 +55,7 @@ impl Default for Caps {
 }
 
 impl Caps {
-    /// Each with its name in the configuration, its value, and the range that it must be in:
-    /// what can be counted.
+    /// Each cap with its name in the configuration, its value, and its least and greatest value.
     pub fn ranges(&self) -> [(&'static str, f64, f64, f64); 10] {
         let most = (1_u64 << 31) as f64;
         let long = (1_u64 << 40) as f64;
@@ -76,7 +74,7 @@ impl Caps {
         ]
     }
 
-    /// Refuses a request of more cells than are read.
+    /// Refuses a request that has too many cells.
     pub fn check_cells(&self, cells: usize) -> Result<(), Refusal> {
         if cells <= self.cells {
             return Ok(());

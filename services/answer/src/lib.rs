@@ -1,11 +1,10 @@
 //! From a scene request to its reply: one pure function.
 //!
-//! [`Workspace::answer`] is all that happens to a request. What it keeps between requests changes
-//! no reply, and it reads no clock and no files, so a recorded request answered anew under the same
-//! [`Caps`] gives the same bytes: [`reply_to`].
+//! Everything that happens to a request happens in [`Workspace::answer`]. It reads no clock and
+//! no files, and what it keeps between requests changes no reply. So a recorded request, answered
+//! again under the same [`Caps`], gives the same bytes: [`reply_to`].
 //!
-//! Every request has one budget, which all its answers draw from; a [`StopFlag`] ends a request
-//! from outside.
+//! All answers to a request draw from one budget. A [`StopFlag`] ends a request from outside.
 //!
 //! This crate knows planning and the messages. It does not know the bus, recordings, the
 //! configuration file, the command line, logging, clocks or threads: whoever calls it brings the
@@ -61,11 +60,11 @@ pub use cache::CacheStats;
 pub use caps::Caps;
 pub use stop::{StopFlag, StopReason};
 
-/// The default of what a workspace keeps, bytes.
+/// The most that a workspace keeps by default, bytes.
 pub const CACHE_BYTES: usize = 256 << 20;
 
-/// What answering takes, kept from one request to the next: memory, and a cache of what
-/// was made from free spaces. It holds no other state: what a workspace did before changes no reply.
+/// Answers one request after the other. From one to the next it keeps memory to use again, and a
+/// cache of what it made from free spaces. Neither changes a reply.
 #[derive(Debug)]
 pub struct Workspace {
     caps: Caps,
@@ -90,8 +89,8 @@ impl Default for Workspace {
 }
 
 impl Workspace {
-    /// An empty one, for requests that cost no more than `caps`. From one request to the next it
-    /// keeps at most `cache` bytes, of what it made from free spaces and of memory to use again.
+    /// A workspace for requests that cost no more than `caps`, which keeps at most `cache` bytes
+    /// from one request to the next.
     pub fn new(caps: Caps, cache: usize) -> Self {
         Self {
             caps,
@@ -101,21 +100,25 @@ impl Workspace {
         }
     }
 
-    /// What was there already for the requests so far, and what is kept for the next.
+    /// What the cache found for the requests so far, and what it holds.
     pub fn cache_stats(&self) -> CacheStats {
         self.cache.stats()
     }
 
-    /// The memory that it keeps for the next request, bytes.
+    /// The memory that it holds, bytes: at most that of the cache between requests.
     pub fn bytes(&self) -> usize {
         self.cache.stats().bytes + self.buffer_bytes()
     }
 
-    /// Answers a request as it lies in memory, until `stop` is set. Whatever lies there, there is
-    /// a reply, unless the sink fails.
+    /// Answers a request as it lies in memory, until `stop` is set. Whatever the memory holds,
+    /// the reply is written to `sink`.
     ///
     /// A request that costs more than the caps allow is refused as `too_costly`, a stopped one as
-    /// `deadline_exceeded` or `overloaded`; answers that were found before stand.
+    /// `deadline_exceeded` or `overloaded`. Answers found before that stand.
+    ///
+    /// # Errors
+    ///
+    /// What the sink returns when it does not take a part.
     ///
     /// ```
     /// use answer::{StopFlag, Workspace};
@@ -242,7 +245,7 @@ pub fn reply_to(request: &Request, caps: &Caps) -> Reply {
     let mut collect = Collect::default();
     let stop = StopFlag::new();
     let Ok(()) = match &request.content {
-        // By way of its memory, so that nothing is refused otherwise than over the bus.
+        // Through memory as on the bus, so that the same is refused in the same words.
         RequestContent::Scene(scene) => {
             let mut cells = Vec::new();
             match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {

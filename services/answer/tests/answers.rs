@@ -182,3 +182,32 @@ fn exits_of_a_request_share_what_they_can() {
     assert!(first.0 > 4, "{first:?}");
     assert_eq!(first, second, "nothing is kept");
 }
+
+/// What is found costs as much as what is made: the budget ends at the same place.
+#[test]
+fn budget_ends_at_the_same_place_whatever_is_kept() {
+    let scenes = [
+        unordered(&scene("disassemble.json")),
+        made(&scene("disassemble-solids.json")),
+        unordered(&scene("drive-a.json")),
+    ];
+    let mut cut_short = 0;
+    for scene in &scenes {
+        let whole = answer(&mut Workspace::default(), scene);
+        for exponent in 0..60 {
+            let by = |most: f64| most.powf(f64::from(exponent) / 60.0) as u64;
+            for caps in [
+                Caps { steps: by(1e4), ..Caps::default() },
+                Caps { bytes: by(1e6), ..Caps::default() },
+            ] {
+                let fresh = answer(&mut Workspace::new(caps, 0), scene);
+                cut_short += usize::from(fresh != whole);
+                let mut used = Workspace::new(caps, usize::MAX);
+                for _ in 0..3 {
+                    assert!(answer(&mut used, scene) == fresh, "{caps:?}: {scene:?}");
+                }
+            }
+        }
+    }
+    assert!(cut_short > 100, "only {cut_short} are cut short");
+}
