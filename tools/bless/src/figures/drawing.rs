@@ -1,12 +1,12 @@
-//! An SVG in the making: scenes in metres, text in pixels, one style sheet for both themes.
+//! Drawing an SVG: scenes in metres, text in pixels, one style sheet for light and dark themes.
 
 use std::fmt::Write;
 
 /// Metres in a view, or pixels to the right and down.
 pub(super) type Point = [f64; 2];
 
-/// Okabe and Ito's colours on greys, as in the pictures of `plan`; a card of its own colour
-/// behind, so that a theme that the viewer does not announce does no harm.
+/// Okabe and Ito's colours on greys, as in the pictures of `plan`. The card behind is opaque, so
+/// text stays legible where a viewer announces no theme.
 const STYLE: &str = "\
 text{font:13px sans-serif;fill:#1f2328;stroke:none}\
 .head{font-weight:bold}\
@@ -62,7 +62,7 @@ pub(super) struct Drawing {
     text: String,
 }
 
-/// Where a text stands beside its point.
+/// Which end of a text is at its point.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,

@@ -1,4 +1,4 @@
-//! What the planner says about a scene, in the terms of a figure.
+//! Scenes planned for a figure, and their geometry in the plane.
 
 use std::f64::consts::FRAC_PI_2;
 
