@@ -1,13 +1,15 @@
 //! Owned messages: what is planned from, answered and recorded.
 
 mod assemble;
+mod named;
 mod reply;
 mod scene;
 mod vector;
 
 pub use assemble::{AssembleError, ReplyAssembler};
 pub use reply::{
-    Answer, Clearance, Curve, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule, Trajectory,
+    Answer, Clearance, Curve, CurveKind, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule,
+    Trajectory,
 };
 pub(crate) use reply::{optional_text, text};
 pub use scene::{
@@ -15,6 +17,8 @@ pub use scene::{
     Sampling, SceneRequest, Solid, StartTurn, Task,
 };
 pub use vector::Vector;
+
+pub(crate) use named::{Named, named};
 
 pub use crate::wire::Sample;
 

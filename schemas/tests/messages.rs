@@ -8,10 +8,14 @@ mod examples;
 mod hostile;
 #[path = "messages/json_reply.rs"]
 mod json_reply;
+#[path = "messages/json_round_trips.rs"]
+mod json_round_trips;
 #[path = "messages/json_scene.rs"]
 mod json_scene;
 #[path = "messages/memory.rs"]
 mod memory;
+#[path = "messages/names.rs"]
+mod names;
 #[path = "messages/pinned.rs"]
 mod pinned;
 #[path = "messages/round_trips.rs"]

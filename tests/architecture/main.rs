@@ -74,6 +74,7 @@ fn dependencies_run_one_way() {
         // Reads what others wrote, by the libraries that read it.
         ("fuzz-targets", vec!["schemas", "answer", "recording", "plan"]),
         // Tests know everything.
+        ("schema-tests", vec!["answer", "schemas"]),
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
     ]
     .into();

@@ -45,7 +45,7 @@ fn cases() -> Vec<Case> {
         Some("scene"),
         &["invalid JSON at line 1, column 11"],
     );
-    case("[7]".to_owned(), invalid, Some("scene"), &["must be an object", "a list"]);
+    case("[7]".to_owned(), invalid, Some("scene"), &["must be an object", "not a list of 1"]);
     case("{}".to_owned(), invalid, Some("task"), &["task is missing"]);
     let nan = scene_with("/clearance", json!({"gap": 0.5})).replace("0.5}", "NaN}");
     case(nan, invalid, Some("clearance.gap"), &["invalid JSON", "expected value"]);

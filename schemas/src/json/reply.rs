@@ -1,244 +1,265 @@
-//! Replies as people read them.
+//! The reply in JSON.
 
-use std::io;
+use std::borrow::Cow;
+use std::fmt;
 
-use serde::Serialize;
-use serde::ser::{SerializeSeq, Serializer};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeSeed, Error, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::message::{
-    AxisBox, Curve, Direction, ErrorCode, Leg, Refusal, Reply, Sample, Trajectory, Vector,
-};
+use super::trajectory::TrajectoryJson;
+use super::values::{Element, List, Word};
+use crate::message::{Answer, ErrorCode, Refusal, Reply, RequestKey, named};
 
-/// Writes a reply as one JSON object, without a line end.
-pub fn write_reply(reply: &Reply, writer: impl io::Write) -> io::Result<()> {
-    Ok(serde_json::to_writer(writer, &ReplyView::from(reply))?)
-}
-
-/// A reply as one JSON object.
-pub fn reply_to_json(reply: &Reply) -> String {
-    serde_json::to_string(&ReplyView::from(reply)).expect("replies have text keys only")
-}
-
-#[derive(Serialize)]
-struct ReplyView<'a> {
+/// A reply to a scene request: an answer for each clearance asked for, or the error
+/// because of which the whole request is refused. Lengths are in metres, angles in radians,
+/// times in seconds, in the frame of the scene.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "json-schema",
+    derive(schemars::JsonSchema),
+    schemars(transform = super::schema::require_one)
+)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReplyJson<'a> {
+    /// That of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<u64>,
+    /// An answer for each clearance asked for, in the order of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
-    trajectories: Option<Vec<AnswerView<'a>>>,
+    trajectories: Option<List<'a, Answer>>,
+    /// Why the whole request is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<RefusalView<'a>>,
+    error: Option<RefusalJson<'a>>,
 }
 
-impl<'a> From<&'a Reply> for ReplyView<'a> {
-    fn from(reply: &'a Reply) -> Self {
-        let answer = |answer: &'a Result<Trajectory, Refusal>| match answer {
-            Ok(trajectory) => AnswerView::Trajectory(TrajectoryView::from(trajectory)),
-            Err(refusal) => AnswerView::Refusal { error: RefusalView::from(refusal) },
+impl<'a> From<&'a Reply> for ReplyJson<'a> {
+    fn from(Reply { key: _, id, answers }: &'a Reply) -> Self {
+        let (trajectories, error) = match answers {
+            Ok(answers) => (Some(answers.as_slice().into()), None),
+            Err(refusal) => (None, Some(refusal.into())),
         };
-        let (trajectories, error) = match &reply.answers {
-            Ok(answers) => (Some(answers.iter().map(answer).collect()), None),
-            Err(refusal) => (None, Some(RefusalView::from(refusal))),
-        };
-        Self { id: reply.id, trajectories, error }
+        Self { id: *id, trajectories, error }
     }
 }
 
+impl ReplyJson<'_> {
+    pub(super) fn into_message<E: Error>(self) -> Result<Reply, E> {
+        let Self { id, trajectories, error } = self;
+        let answers = match (trajectories, error) {
+            (Some(answers), None) => Ok(answers.into()),
+            (None, Some(refusal)) => Err(refusal.into_message()),
+            (Some(_), Some(_)) => return Err(one_of("both")),
+            (None, None) => return Err(one_of("neither")),
+        };
+        Ok(Reply { key: RequestKey::default(), id, answers })
+    }
+}
+
+fn one_of<E: Error>(found: &str) -> E {
+    E::custom(format_args!("must have either `trajectories` or `error`, but has {found}"))
+}
+
+/// A trajectory, or why this one is refused.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum AnswerView<'a> {
-    Trajectory(TrajectoryView<'a>),
-    Refusal { error: RefusalView<'a> },
+pub(super) enum AnswerJson<'a> {
+    Planned(TrajectoryJson<'a>),
+    Refused(RefusedJson<'a>),
 }
 
-#[derive(Serialize)]
-struct TrajectoryView<'a> {
-    gap: GapsView<'a>,
-    route: &'a [u64],
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    channels: &'a [AxisBox],
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RefusedJson<'a> {
+    /// Why there is no trajectory for this clearance.
+    error: RefusalJson<'a>,
+}
+
+impl<'de> Deserialize<'de> for AnswerJson<'_> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(AnswerVisitor)
+    }
+}
+
+struct AnswerVisitor;
+
+impl<'de> Visitor<'de> for AnswerVisitor {
+    type Value = AnswerJson<'static>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a trajectory or an object with `error`")
+    }
+
+    /// The first field tells: the forms have none in common.
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let first = map.next_key::<Cow<str>>()?;
+        let refused = first.as_deref() == Some("error");
+        let fields = MapAccessDeserializer::new(FromFirst { first, map });
+        if refused {
+            RefusedJson::deserialize(fields).map(AnswerJson::Refused)
+        } else {
+            TrajectoryJson::deserialize(fields).map(AnswerJson::Planned)
+        }
+    }
+}
+
+/// Fields of which the first name is already read.
+struct FromFirst<'de, A> {
+    first: Option<Cow<'de, str>>,
+    map: A,
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for FromFirst<'de, A> {
+    type Error = A::Error;
+
+    fn next_key_seed<S: DeserializeSeed<'de>>(
+        &mut self,
+        seed: S,
+    ) -> Result<Option<S::Value>, A::Error> {
+        match self.first.take() {
+            Some(first) => seed.deserialize(first.into_deserializer()).map(Some),
+            None => self.map.next_key_seed(seed),
+        }
+    }
+
+    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
+        self.map.next_value_seed(seed)
+    }
+}
+
+impl<'a> From<&'a Answer> for AnswerJson<'a> {
+    fn from(answer: &'a Answer) -> Self {
+        match answer {
+            Ok(trajectory) => Self::Planned(trajectory.into()),
+            Err(refusal) => Self::Refused(RefusedJson { error: refusal.into() }),
+        }
+    }
+}
+
+impl Element for Answer {
+    type Json<'a> = AnswerJson<'a>;
+
+    fn from_json<E: Error>(json: AnswerJson) -> Result<Self, E> {
+        match json {
+            AnswerJson::Planned(trajectory) => trajectory.into_message().map(Ok),
+            AnswerJson::Refused(RefusedJson { error }) => Ok(Err(error.into_message())),
+        }
+    }
+}
+
+named! {
+/// The axes of the scene's frame; their indices are those of `ALL`.
+#[derive(Clone, Copy)]
+pub(super) enum Axis {
+    /// Along x.
+    X = "x",
+    /// Along y.
+    Y = "y",
+    /// Along z.
+    Z = "z",
+}
+}
+
+/// Why there is no trajectory, and what would have to change.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "error"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RefusalJson<'a> {
+    /// What kind of error.
+    code: Word<ErrorCode>,
+    /// For people; its wording may change.
+    message: Cow<'a, str>,
+    /// The field of the request that is at fault, as a path such as
+    /// `free_space.channels[3].min[1]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    exit: Option<Direction>,
-    length: f64,
-    duration: f64,
-    clearance: ClearanceView,
-    legs: Vec<LegView>,
-    samples: SamplesView<'a>,
-}
-
-impl<'a> From<&'a Trajectory> for TrajectoryView<'a> {
-    fn from(trajectory: &'a Trajectory) -> Self {
-        let clearance = trajectory.clearance;
-        Self {
-            gap: GapsView { gaps: &trajectory.gaps, each: trajectory.gaps_per_junction as usize },
-            route: &trajectory.route,
-            channels: &trajectory.channels,
-            exit: trajectory.exit,
-            length: trajectory.length,
-            duration: trajectory.duration,
-            clearance: ClearanceView {
-                value: clearance.value,
-                at: clearance.at,
-                wall: clearance.wall,
-            },
-            legs: trajectory.legs.iter().map(LegView::from).collect(),
-            samples: SamplesView {
-                samples: &trajectory.samples,
-                dimension: trajectory.dimension as usize,
-            },
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct ClearanceView {
-    value: f64,
-    at: f64,
-    wall: Vector,
-}
-
-/// Per junction a list with a number per axis; where there is one number per
-/// junction, that number.
-struct GapsView<'a> {
-    gaps: &'a [f64],
-    each: usize,
-}
-
-impl Serialize for GapsView<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.each <= 1 {
-            return self.gaps.serialize(serializer);
-        }
-        serializer.collect_seq(self.gaps.chunks(self.each))
-    }
-}
-
-struct SamplesView<'a> {
-    samples: &'a [Sample],
-    dimension: usize,
-}
-
-impl Serialize for SamplesView<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct SampleView<'a> {
-            t: f64,
-            position: &'a [f64],
-            heading: f64,
-            velocity: &'a [f64],
-            yaw_rate: f64,
-        }
-        let dimension = self.dimension.min(3);
-        let mut list = serializer.serialize_seq(Some(self.samples.len()))?;
-        for sample in self.samples {
-            list.serialize_element(&SampleView {
-                t: sample.t,
-                position: &sample.position[..dimension],
-                heading: sample.heading,
-                velocity: &sample.velocity[..dimension],
-                yaw_rate: sample.yaw_rate,
-            })?;
-        }
-        list.end()
-    }
-}
-
-#[derive(Serialize)]
-struct LegView {
-    #[serde(flatten)]
-    curve: CurveView,
-    length: f64,
-    clearance: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rule: Option<String>,
+    field: Option<Cow<'a, str>>,
+    /// The junction of two channels, counted from 0 in travel order.
     #[serde(skip_serializing_if = "Option::is_none")]
     junction: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-enum CurveView {
-    Line {
-        from: Vector,
-        to: Vector,
-        heading: f64,
-        /// Given only for a line on which the body turns.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        turned: Option<f64>,
-    },
-    Arc {
-        center: Vector,
-        radius: f64,
-        start_angle: f64,
-        sweep: f64,
-    },
-    Turn {
-        position: Vector,
-        from_heading: f64,
-        to_heading: f64,
-    },
-}
-
-impl From<&Leg> for LegView {
-    fn from(leg: &Leg) -> Self {
-        let curve = match leg.curve {
-            Curve::Line { from, to, heading, turned } => {
-                CurveView::Line { from, to, heading, turned: (turned != 0.0).then_some(turned) }
-            }
-            Curve::Arc { center, radius, start_angle, sweep } => {
-                CurveView::Arc { center, radius, start_angle, sweep }
-            }
-            Curve::Turn { position, from_heading, to_heading, .. } => {
-                CurveView::Turn { position, from_heading, to_heading }
-            }
-        };
-        Self {
-            curve,
-            length: leg.length,
-            clearance: leg.clearance,
-            rule: leg.rule.map(|rule| format!("table {}, rule {}", rule.table, rule.number)),
-            junction: leg.junction,
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct RefusalView<'a> {
-    code: ErrorCode,
-    message: &'a str,
+    /// The axis.
     #[serde(skip_serializing_if = "Option::is_none")]
-    field: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    junction: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    axis: Option<&'static str>,
+    axis: Option<Word<Axis>>,
+    /// What is needed; metres unless the code says otherwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     needs: Option<f64>,
+    /// What there is; in the unit of `needs`.
     #[serde(skip_serializing_if = "Option::is_none")]
     has: Option<f64>,
+    /// The lower bound, itself excluded; in the unit of `needs`.
     #[serde(skip_serializing_if = "Option::is_none")]
     least: Option<f64>,
+    /// The upper bound; in the unit of `needs`.
     #[serde(skip_serializing_if = "Option::is_none")]
     most: Option<f64>,
+    /// A heading that would be free, radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     heading: Option<f64>,
+    /// The setting of the planner's configuration whose limit was met, such as
+    /// `caps.route_steps`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    setting: Option<&'a str>,
+    setting: Option<Cow<'a, str>>,
 }
 
-impl<'a> From<&'a Refusal> for RefusalView<'a> {
+impl<'a> From<&'a Refusal> for RefusalJson<'a> {
     fn from(refusal: &'a Refusal) -> Self {
+        let Refusal {
+            code,
+            message,
+            field,
+            junction,
+            axis,
+            needs,
+            has,
+            least,
+            most,
+            heading,
+            setting,
+        } = refusal;
         Self {
-            code: refusal.code,
-            message: &refusal.message,
-            field: refusal.field.as_deref(),
-            junction: refusal.junction,
-            axis: refusal.axis.and_then(|axis| ["x", "y", "z"].get(axis as usize).copied()),
-            needs: refusal.needs,
-            has: refusal.has,
-            least: refusal.least,
-            most: refusal.most,
-            heading: refusal.heading,
-            setting: refusal.setting.as_deref(),
+            code: Word(*code),
+            message: message.into(),
+            field: field.as_deref().map(Cow::Borrowed),
+            junction: *junction,
+            axis: axis.and_then(|axis| Axis::ALL.get(axis as usize).copied()).map(Word),
+            needs: *needs,
+            has: *has,
+            least: *least,
+            most: *most,
+            heading: *heading,
+            setting: setting.as_deref().map(Cow::Borrowed),
+        }
+    }
+}
+
+impl RefusalJson<'_> {
+    /// Not `From`: that would be one way too many for `?` to turn an error into a refusal.
+    fn into_message(self) -> Refusal {
+        let Self {
+            code,
+            message,
+            field,
+            junction,
+            axis,
+            needs,
+            has,
+            least,
+            most,
+            heading,
+            setting,
+        } = self;
+        Refusal {
+            code: code.0,
+            message: message.into_owned(),
+            field: field.map(Cow::into_owned),
+            junction,
+            axis: axis.map(|Word(axis)| axis as u32),
+            needs,
+            has,
+            least,
+            most,
+            heading,
+            setting: setting.map(Cow::into_owned),
         }
     }
 }

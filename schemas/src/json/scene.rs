@@ -1,177 +1,372 @@
-//! Scenes as people write them.
+//! The scene request in JSON.
 
-use serde::{Serialize, Serializer};
+use serde::de::Error;
+use serde::{Deserialize, Serialize};
 
+use super::clearance::WishJson;
+use super::values::{BoxJson, Element, List, Numbers, Point, Word, Words};
 use crate::message::{
-    AxisBox, Body, Choice, ClearanceWish, Direction, FreeSpace, Gap, Goal, Limits, Pose, Sampling,
-    SceneRequest, Solid, StartTurn, Task, Vector,
+    Body, Direction, Footprint, FreeSpace, Goal, Limits, Pose, Sampling, SceneRequest, Solid,
+    StartTurn, Task, Vector,
 };
 
-/// Writes a scene request as people would, on one line.
-pub fn scene_to_json(scene: &SceneRequest) -> String {
-    serde_json::to_string(&SceneView::from(scene)).expect("scenes have text keys only")
-}
-
-#[derive(Serialize)]
-struct SceneView<'a> {
+/// A scene request: where to plan, what moves, and how. Lengths are in metres, angles
+/// in radians, times in seconds. Frames are right-handed with z up; assembly scenes in two
+/// dimensions are in the plane (x, z), driving scenes in (x, y). `null` is the same as a
+/// field left out.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneJson<'a> {
+    /// Echoed in the reply.
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<u64>,
-    task: Task,
-    free_space: FreeSpaceView<'a>,
-    body: &'a Body,
+    /// What to plan.
+    task: Word<Task>,
+    /// Where the body can move.
+    free_space: FreeSpaceJson<'a>,
+    /// What moves.
+    body: BodyJson<'a>,
+    /// Assembly tasks: the direction in which the body leaves the part, or several of
+    /// which the one with the shortest path is taken. Default: `"+z"`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    exit: Option<ExitsView<'a>>,
+    exit: Option<Words<'a, Direction>>,
+    /// `drive`, which requires it: where the robot stands.
     #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<Pose>,
+    start: Option<PoseJson>,
+    /// `drive`, which requires it: where the robot goes.
     #[serde(skip_serializing_if = "Option::is_none")]
-    goal: Option<GoalView>,
+    goal: Option<GoalJson>,
+    /// `drive`: how the robot takes up its first heading. Default: `"in_place"`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    start_turn: Option<StartTurn>,
-    clearance: WishView<'a>,
-    #[serde(skip_serializing_if = "LimitsView::is_empty")]
-    limits: LimitsView,
+    start_turn: Option<Word<StartTurn>>,
+    /// The clearance gaps to plan with; one answer, or several.
+    clearance: WishJson<'a>,
+    /// How fast the body may move.
     #[serde(skip_serializing_if = "Option::is_none")]
-    sampling: Option<Sampling>,
+    limits: Option<LimitsJson>,
+    /// Which states of the motion the reply has. The ends of all legs are always among
+    /// them. Default: one every 0.02 s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sampling: Option<SamplingJson>,
+    /// Seconds from the request's arrival within which the answer is useful; greater
+    /// than 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     deadline: Option<f64>,
 }
 
-impl<'a> From<&'a SceneRequest> for SceneView<'a> {
+impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
     fn from(scene: &'a SceneRequest) -> Self {
-        let FreeSpace { channels, in_order, solids, bounds } = &scene.free_space;
+        let SceneRequest {
+            id,
+            task,
+            free_space,
+            body,
+            exit,
+            start,
+            goal,
+            start_turn,
+            clearance,
+            limits,
+            sampling,
+            deadline,
+        } = scene;
         Self {
-            id: scene.id,
-            task: scene.task,
-            free_space: FreeSpaceView {
-                channels: channels.as_deref(),
-                in_order: *in_order,
-                solids: solids.as_deref(),
-                bounds: *bounds,
-            },
-            body: &scene.body,
-            exit: match scene.exit.as_slice() {
-                [] => None,
-                [exit] => Some(ExitsView::One(*exit)),
-                exits => Some(ExitsView::Several(exits)),
-            },
-            start: scene.start,
-            goal: scene.goal.map(|Goal { position, heading }| GoalView { position, heading }),
-            start_turn: scene.start_turn,
-            clearance: WishView(&scene.clearance),
-            limits: LimitsView::from(scene.limits),
-            sampling: scene.sampling,
-            deadline: scene.deadline,
+            id: *id,
+            task: Word(*task),
+            free_space: free_space.into(),
+            body: body.into(),
+            exit: (!exit.is_empty()).then(|| exit.as_slice().into()),
+            start: start.map(PoseJson::from),
+            goal: goal.map(GoalJson::from),
+            start_turn: start_turn.map(Word),
+            clearance: clearance.into(),
+            limits: (*limits != Limits::default()).then(|| LimitsJson::from(*limits)),
+            sampling: sampling.map(SamplingJson::from),
+            deadline: *deadline,
         }
     }
 }
 
-#[derive(Serialize)]
-struct FreeSpaceView<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    channels: Option<&'a [AxisBox]>,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    in_order: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    solids: Option<&'a [Solid]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bounds: Option<AxisBox>,
+impl From<SceneJson<'_>> for SceneRequest {
+    fn from(json: SceneJson) -> Self {
+        let SceneJson {
+            id,
+            task,
+            free_space,
+            body,
+            exit,
+            start,
+            goal,
+            start_turn,
+            clearance,
+            limits,
+            sampling,
+            deadline,
+        } = json;
+        Self {
+            id,
+            task: task.0,
+            free_space: free_space.into(),
+            body: body.into(),
+            exit: exit.map_or_else(Vec::new, Vec::from),
+            start: start.map(Pose::from),
+            goal: goal.map(Goal::from),
+            start_turn: start_turn.map(|Word(turn)| turn),
+            clearance: clearance.into(),
+            limits: limits.map_or_else(Limits::default, Limits::from),
+            sampling: sampling.map(Sampling::from),
+            deadline,
+        }
+    }
 }
 
-#[derive(Serialize)]
-#[serde(untagged)]
-enum ExitsView<'a> {
-    One(Direction),
-    Several(&'a [Direction]),
+/// Where the body can move, given by channels, by solids, or by both: then the channels say where
+/// to travel, and clearance is measured to the solids.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "free_space"))]
+#[serde(deny_unknown_fields)]
+struct FreeSpaceJson<'a> {
+    /// Boxes in which the body can move; at least one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    channels: Option<List<'a, crate::message::AxisBox>>,
+    /// Whether the channels are listed in travel order, none skipped. Default: false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    in_order: Option<bool>,
+    /// What the body must not touch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solids: Option<List<'a, Solid>>,
+    /// Where the free space between the solids ends. Required for `drive` with solids but no
+    /// channels. Default for assembly tasks: the bounding box of the solids, open on the exit side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bounds: Option<BoxJson>,
 }
 
-#[derive(Serialize)]
-struct GoalView {
-    position: Vector,
+impl<'a> From<&'a FreeSpace> for FreeSpaceJson<'a> {
+    fn from(FreeSpace { channels, in_order, solids, bounds }: &'a FreeSpace) -> Self {
+        Self {
+            channels: channels.as_deref().map(List::from),
+            in_order: in_order.then_some(true),
+            solids: solids.as_deref().map(List::from),
+            bounds: bounds.as_ref().map(BoxJson::from),
+        }
+    }
+}
+
+impl From<FreeSpaceJson<'_>> for FreeSpace {
+    fn from(FreeSpaceJson { channels, in_order, solids, bounds }: FreeSpaceJson) -> Self {
+        Self {
+            channels: channels.map(Vec::from),
+            in_order: in_order.unwrap_or_default(),
+            solids: solids.map(Vec::from),
+            bounds: bounds.map(Into::into),
+        }
+    }
+}
+
+/// Something solid.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "json-schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "solid", transform = super::schema::allow_null_alternatives)
+)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SolidJson<'a> {
+    /// The vertices of a simple polygon, in either sense; at least 3, metres.
+    Polygon(List<'a, Vector>),
+    /// A box.
+    Box(BoxJson),
+}
+
+impl<'a> From<&'a Solid> for SolidJson<'a> {
+    fn from(solid: &'a Solid) -> Self {
+        match solid {
+            Solid::Polygon(vertices) => Self::Polygon(vertices.as_slice().into()),
+            Solid::Box(sides) => Self::Box(sides.into()),
+        }
+    }
+}
+
+impl Element for Solid {
+    type Json<'a> = SolidJson<'a>;
+
+    fn from_json<E: Error>(json: SolidJson) -> Result<Self, E> {
+        Ok(match json {
+            SolidJson::Polygon(vertices) => Self::Polygon(vertices.into()),
+            SolidJson::Box(sides) => Self::Box(sides.into()),
+        })
+    }
+}
+
+/// What moves: for assembly tasks a polygon or a box where it is in the assembled state, for
+/// `drive` a footprint.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "json-schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "body", transform = super::schema::allow_null_alternatives)
+)]
+#[serde(rename_all = "snake_case")]
+enum BodyJson<'a> {
+    /// The vertices of a simple polygon, in either sense; at least 3, metres.
+    Polygon(List<'a, Vector>),
+    /// A box.
+    Box(BoxJson),
+    /// The rectangle that a mobile robot covers. Its reference point is the centre.
+    Footprint(FootprintJson),
+}
+
+impl<'a> From<&'a Body> for BodyJson<'a> {
+    fn from(body: &'a Body) -> Self {
+        match body {
+            Body::Polygon(vertices) => Self::Polygon(vertices.as_slice().into()),
+            Body::Box(sides) => Self::Box(sides.into()),
+            Body::Footprint(footprint) => Self::Footprint((*footprint).into()),
+        }
+    }
+}
+
+impl From<BodyJson<'_>> for Body {
+    fn from(json: BodyJson) -> Self {
+        match json {
+            BodyJson::Polygon(vertices) => Self::Polygon(vertices.into()),
+            BodyJson::Box(sides) => Self::Box(sides.into()),
+            BodyJson::Footprint(footprint) => Self::Footprint(footprint.into()),
+        }
+    }
+}
+
+/// The forms of a type of which the message has the same fields.
+macro_rules! same_fields {
+    ($Json:ident, $Message:ident { $($field:ident),+ }) => {
+        impl From<$Message> for $Json {
+            fn from($Message { $($field),+ }: $Message) -> Self {
+                Self { $($field: $field.into()),+ }
+            }
+        }
+
+        impl From<$Json> for $Message {
+            fn from($Json { $($field),+ }: $Json) -> Self {
+                Self { $($field: $field.into()),+ }
+            }
+        }
+    };
+}
+
+impl From<Vector> for Point {
+    fn from(vector: Vector) -> Self {
+        Numbers(vector)
+    }
+}
+
+impl From<Point> for Vector {
+    fn from(point: Point) -> Self {
+        point.0
+    }
+}
+
+/// The rectangle that a mobile robot covers.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "footprint"))]
+#[serde(deny_unknown_fields)]
+struct FootprintJson {
+    /// Across the heading, metres.
+    width: f64,
+    /// Along the heading, metres.
+    length: f64,
+}
+
+same_fields!(FootprintJson, Footprint { width, length });
+
+/// Where the robot stands.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "pose"))]
+#[serde(deny_unknown_fields)]
+struct PoseJson {
+    /// The centre of the footprint, metres.
+    position: Point,
+    /// Radians counter-clockwise from +x.
+    heading: f64,
+}
+
+same_fields!(PoseJson, Pose { position, heading });
+
+/// Where the robot goes.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "goal"))]
+#[serde(deny_unknown_fields)]
+struct GoalJson {
+    /// The centre of the footprint, metres.
+    position: Point,
+    /// Radians counter-clockwise from +x. Default: the heading with which the robot
+    /// arrives.
     #[serde(skip_serializing_if = "Option::is_none")]
     heading: Option<f64>,
 }
 
-#[derive(Serialize, PartialEq, Default)]
-struct LimitsView {
+same_fields!(GoalJson, Goal { position, heading });
+
+/// How fast the body may move; each at least 1e-9 and at most 1e12.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "limits"))]
+#[serde(deny_unknown_fields)]
+struct LimitsJson {
+    /// m/s. Default: 1.0.
     #[serde(skip_serializing_if = "Option::is_none")]
     speed: Option<f64>,
+    /// Along the path, m/s². Default: 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     acceleration: Option<f64>,
+    /// `drive`: rad/s. Default: 1.0.
     #[serde(skip_serializing_if = "Option::is_none")]
     yaw_rate: Option<f64>,
+    /// `drive`: while turning in place, rad/s². Default: 1.0.
     #[serde(skip_serializing_if = "Option::is_none")]
     yaw_acceleration: Option<f64>,
+    /// `drive`: across the path, m/s². Default: 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     lateral_acceleration: Option<f64>,
 }
 
-impl LimitsView {
-    fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
+same_fields!(
+    LimitsJson,
+    Limits { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration }
+);
+
+/// Which states of the motion the reply has.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "json-schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "sampling", transform = super::schema::allow_null_alternatives)
+)]
+#[serde(rename_all = "snake_case")]
+enum SamplingJson {
+    /// Seconds from one to the next.
+    Period(f64),
+    /// Metres of arc length from one to the next; turns in place every 0.05 rad.
+    Spacing(f64),
+    /// How many, evenly spaced in time.
+    Count(u64),
 }
 
-impl From<Limits> for LimitsView {
-    fn from(limits: Limits) -> Self {
-        let Limits { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration } =
-            limits;
-        Self { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration }
-    }
-}
-
-struct WishView<'a>(&'a ClearanceWish);
-
-impl Serialize for WishView<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        #[serde(rename_all = "snake_case")]
-        enum Wish<'a> {
-            Gap(GapView),
-            Gaps(Vec<GapView>),
-            Each(Vec<ChoiceView<'a>>),
-            Curve(u64),
-        }
-        let wish = match self.0 {
-            ClearanceWish::Safest => return serializer.serialize_str("safest"),
-            ClearanceWish::Gap(gap) => Wish::Gap(gap.into()),
-            ClearanceWish::Gaps(gaps) => Wish::Gaps(gaps.iter().map(GapView::from).collect()),
-            ClearanceWish::Each(choices) => Wish::Each(choices.iter().map(ChoiceView).collect()),
-            ClearanceWish::Curve(points) => Wish::Curve(*points),
-        };
-        wish.serialize(serializer)
-    }
-}
-
-struct ChoiceView<'a>(&'a Choice);
-
-impl Serialize for ChoiceView<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Gaps {
-            gaps: Vec<GapView>,
-        }
-        match self.0 {
-            Choice::Safest => serializer.serialize_str("safest"),
-            Choice::Gap(gap) => GapView::from(gap).serialize(serializer),
-            Choice::Gaps(gaps) => {
-                Gaps { gaps: gaps.iter().map(GapView::from).collect() }.serialize(serializer)
-            }
+impl From<Sampling> for SamplingJson {
+    fn from(sampling: Sampling) -> Self {
+        match sampling {
+            Sampling::Period(period) => Self::Period(period),
+            Sampling::Spacing(spacing) => Self::Spacing(spacing),
+            Sampling::Count(count) => Self::Count(count),
         }
     }
 }
 
-#[derive(Serialize)]
-#[serde(untagged)]
-enum GapView {
-    Uniform(f64),
-    PerAxis(Vector),
-}
-
-impl From<&Gap> for GapView {
-    fn from(gap: &Gap) -> Self {
-        match gap {
-            Gap::Uniform(gap) => Self::Uniform(*gap),
-            Gap::PerAxis(gaps) => Self::PerAxis(*gaps),
+impl From<SamplingJson> for Sampling {
+    fn from(json: SamplingJson) -> Self {
+        match json {
+            SamplingJson::Period(period) => Self::Period(period),
+            SamplingJson::Spacing(spacing) => Self::Spacing(spacing),
+            SamplingJson::Count(count) => Self::Count(count),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! JSON as a tree that keeps what is written: every field, also a second of the same name.
+//! JSON as a tree that keeps every field, also those of the same name.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -7,41 +7,68 @@ use std::fmt;
 use serde::de::{IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::message::Refusal;
-
 /// A value and all that is in it.
 pub(super) enum Node<'t> {
     Null,
     Bool(bool),
     /// A number without sign, fraction and exponent.
     Whole(u64),
+    /// A whole number less than 0.
+    Negative(i64),
     Number(f64),
     Text(Cow<'t, str>),
     List(Vec<Node<'t>>),
     Object(Vec<(Cow<'t, str>, Node<'t>)>),
 }
 
-/// The tree of a text that is one JSON value.
-pub(super) fn parse(text: &str) -> Result<Node<'_>, Refusal> {
+/// Why a text is not JSON: the path to the value in which that shows, and the message.
+pub(super) struct NotJson {
+    pub(super) path: String,
+    pub(super) message: String,
+}
+
+/// The tree of a text that is one JSON value; `root` is what messages call it.
+pub(super) fn parse<'t>(text: &'t str, root: &str) -> Result<Node<'t>, NotJson> {
+    let root = || root.to_owned();
     if text.starts_with(BYTE_ORDER_MARK) {
-        let message = "the text begins with a byte order mark, which JSON does not have";
-        return Err(Refusal::invalid("scene", message));
+        let message = "invalid JSON: the text begins with a byte order mark; save it without one";
+        return Err(NotJson { path: root(), message: message.to_owned() });
     }
     let json = &mut serde_json::Deserializer::from_str(text);
     let tree = serde_path_to_error::deserialize(&mut *json).map_err(|error| {
-        // Where the parser stopped is mostly in the field that is wrong.
+        // Where the parser stops is mostly in the field that is wrong.
         let path = error.path().to_string();
-        let field = match path.trim_end_matches(['.', '?']) {
-            "" => "scene".to_owned(),
-            path => Excerpt(path, 200).to_string(),
-        };
-        let message = format!("{field}: no JSON can be read here: {}", error.inner());
-        Refusal::invalid(field, message)
+        let fault = Located(error.inner());
+        match path.trim_end_matches(['.', '?']) {
+            "" => NotJson { path: root(), message: format!("invalid JSON {fault}") },
+            path => {
+                let path = Excerpt(path, 200).to_string();
+                NotJson { message: format!("{path}: invalid JSON {fault}"), path }
+            }
+        }
     })?;
     json.end().map_err(|error| {
-        Refusal::invalid("scene", format!("something follows the scene's JSON: {error}"))
+        let (line, column) = (error.line(), error.column());
+        let message = format!(
+            "invalid JSON at line {line}, column {column}: unexpected text after the {}",
+            root()
+        );
+        NotJson { path: root(), message }
     })?;
     Ok(tree)
+}
+
+/// A parser's error, its place first.
+struct Located<'a>(&'a serde_json::Error);
+
+impl fmt::Display for Located<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = (self.0.line(), self.0.column());
+        let text = self.0.to_string();
+        let place = format!(" at line {line} column {column}");
+        let what = text.strip_suffix(&place).unwrap_or(&text);
+        write!(f, "at line {line}, column {column}: {what}")
+    }
 }
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -71,7 +98,7 @@ pub(super) fn find_id(text: &str) -> Option<u64> {
 
     let id = Cell::new(None);
     let text = text.trim_start_matches(BYTE_ORDER_MARK);
-    // What is wrong with the text is said elsewhere.
+    // The text's errors are reported by whoever reads all of it.
     let _ = serde_json::Deserializer::from_str(text).deserialize_map(IdVisitor(&id));
     id.get()
 }
@@ -104,7 +131,7 @@ impl<'de> Visitor<'de> for NodeVisitor {
     }
 
     fn visit_i64<E>(self, value: i64) -> Result<Node<'de>, E> {
-        Ok(Node::Number(value as f64))
+        Ok(Node::Negative(value))
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Node<'de>, E> {
@@ -136,15 +163,17 @@ impl<'de> Visitor<'de> for NodeVisitor {
     }
 }
 
-/// What stands there, for messages.
+/// A value as messages name it.
 impl fmt::Display for Node<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Null => f.write_str("null"),
             Self::Bool(value) => write!(f, "{value}"),
             Self::Whole(value) => write!(f, "{value}"),
+            Self::Negative(value) => write!(f, "{value}"),
             Self::Number(value) => write!(f, "{value:?}"),
             Self::Text(text) => write!(f, "the text \"{}\"", Excerpt(text, 60)),
+            Self::List(list) if list.is_empty() => f.write_str("an empty list"),
             Self::List(list) => write!(f, "a list of {}", list.len()),
             Self::Object(_) => f.write_str("an object"),
         }

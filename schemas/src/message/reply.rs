@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{AxisBox, Direction, RequestKey, Sample, Vector};
+use super::{AxisBox, Direction, RequestKey, Sample, Vector, named};
 
 /// A whole reply, put together from its parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,6 +135,30 @@ pub enum Curve {
     },
 }
 
+named! {
+/// The kinds of curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CurveKind {
+    /// A straight line.
+    Line = "line",
+    /// A part of a guiding circle, the heading tangent to it.
+    Arc = "arc",
+    /// A turn in place.
+    Turn = "turn",
+}
+}
+
+impl Curve {
+    /// Which kind of curve it is.
+    pub fn kind(&self) -> CurveKind {
+        match self {
+            Self::Line { .. } => CurveKind::Line,
+            Self::Arc { .. } => CurveKind::Arc,
+            Self::Turn { .. } => CurveKind::Turn,
+        }
+    }
+}
+
 /// A rule of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rule {
@@ -142,6 +166,12 @@ pub struct Rule {
     pub table: u16,
     /// Its number in the table, from 1.
     pub number: u16,
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "table {}, rule {}", self.table, self.number)
+    }
 }
 
 /// Why there is no trajectory, and what would have to change.
@@ -233,38 +263,39 @@ pub(crate) fn optional_text<'de, D: Deserializer<'de>>(
     Ok(Option::deserialize(deserializer)?.map(|Text(text)| text))
 }
 
-/// The kinds of refusals.
+named! {
+/// Why a request, or one of its answers, is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum ErrorCode {
-    /// The request is not a possible scene.
-    InvalidScene,
-    /// The request has a layout that this planner does not know.
-    UnsupportedVersion,
-    /// The body is not in the free space at the start.
-    BodyOutsideFreeSpace,
-    /// The body would not be in the free space at the goal.
-    GoalOutsideFreeSpace,
+    /// The request does not describe a scene that can be planned; `field` says where.
+    InvalidScene = "invalid_scene",
+    /// The planner does not know the request's version of the wire layout.
+    UnsupportedVersion = "unsupported_version",
+    /// At the start the body is not inside the free space.
+    BodyOutsideFreeSpace = "body_outside_free_space",
+    /// At the goal the body would not be inside the free space.
+    GoalOutsideFreeSpace = "goal_outside_free_space",
     /// The channels do not connect start and end.
-    NoRoute,
-    /// The body does not pass a junction (equation 2.5).
-    JunctionTooSmall,
-    /// A gap is outside its bounds (equation 3.1).
-    GapOutOfRange,
-    /// No tangent runs between two guiding circles.
-    CornersTooClose,
-    /// The robot can't turn in place.
-    TurnBlocked,
+    NoRoute = "no_route",
+    /// The body does not fit through a junction of two channels (equation 2.5).
+    JunctionTooSmall = "junction_too_small",
+    /// A clearance gap is outside its bounds (equation 3.1).
+    GapOutOfRange = "gap_out_of_range",
+    /// There is no tangent between two guiding circles.
+    CornersTooClose = "corners_too_close",
+    /// There is no room for the robot to turn in place.
+    TurnBlocked = "turn_blocked",
     /// The body would touch a wall.
-    WallInTheWay,
-    /// The trajectory would have more samples than allowed.
-    TooManySamples,
-    /// The answer would have come too late.
-    DeadlineExceeded,
-    /// Too many requests wait.
-    Overloaded,
-    /// The planner failed.
-    Internal,
-    /// Answering would cost more than a request may.
-    TooCostly,
+    WallInTheWay = "wall_in_the_way",
+    /// The trajectory would have more samples than the planner allows.
+    TooManySamples = "too_many_samples",
+    /// The deadline passed before the answer was ready.
+    DeadlineExceeded = "deadline_exceeded",
+    /// Too many requests are waiting.
+    Overloaded = "overloaded",
+    /// The planner failed; this is a bug.
+    Internal = "internal",
+    /// Answering would take more time or memory than the planner allows.
+    TooCostly = "too_costly",
+}
 }

@@ -1,11 +1,11 @@
-//! The scene request: what people write (as JSON) and what is planned from.
+//! The scene request, from which the planner plans.
 //!
-//! The derives are for the recorded form; JSON, which people write in more ways than
-//! one, is [`crate::json`]'s care.
+//! The serde derives are the recorded form ([`crate::codec`]): the order of fields and
+//! variants is fixed. JSON has types of its own ([`crate::json`]).
 
 use serde::{Deserialize, Serialize};
 
-use super::Vector;
+use super::{Vector, named};
 
 /// A scene to plan in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,16 +56,17 @@ impl SceneRequest {
     }
 }
 
+named! {
 /// What to plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum Task {
-    /// From the assembled state out of the part (paper, section 3).
-    Disassemble,
-    /// The exact reverse of disassembling.
-    Assemble,
-    /// The rectangular mobile robot through corridors (paper, section 5).
-    Drive,
+    /// The body moves from the assembled state out of the part (paper, section 3).
+    Disassemble = "disassemble",
+    /// The exact reverse of `disassemble`.
+    Assemble = "assemble",
+    /// A rectangular mobile robot drives through corridors (paper, section 5).
+    Drive = "drive",
+}
 }
 
 /// Where the body can move: by channels, by solids, or by both.
@@ -92,7 +93,6 @@ pub struct AxisBox {
 
 /// Something solid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum Solid {
     /// A simple polygon by its vertices, in either sense; metres.
     Polygon(Vec<Vector>),
@@ -102,7 +102,6 @@ pub enum Solid {
 
 /// What moves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum Body {
     /// A simple polygon where it is in the assembled state; metres.
     Polygon(Vec<Vector>),
@@ -121,27 +120,23 @@ pub struct Footprint {
     pub length: f64,
 }
 
+named! {
 /// A direction along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Direction {
     /// Towards greater x.
-    #[serde(rename = "+x")]
-    PlusX,
+    PlusX = "+x",
     /// Towards smaller x.
-    #[serde(rename = "-x")]
-    MinusX,
+    MinusX = "-x",
     /// Towards greater y.
-    #[serde(rename = "+y")]
-    PlusY,
+    PlusY = "+y",
     /// Towards smaller y.
-    #[serde(rename = "-y")]
-    MinusY,
+    MinusY = "-y",
     /// Towards greater z.
-    #[serde(rename = "+z")]
-    PlusZ,
+    PlusZ = "+z",
     /// Towards smaller z.
-    #[serde(rename = "-z")]
-    MinusZ,
+    MinusZ = "-z",
+}
 }
 
 /// Where the robot stands.
@@ -162,14 +157,15 @@ pub struct Goal {
     pub heading: Option<f64>,
 }
 
+named! {
 /// How the robot takes up its first heading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum StartTurn {
-    /// It turns where it stands.
-    InPlace,
+    /// It turns in place before it drives.
+    InPlace = "in_place",
     /// It turns on the way to the first arriving point, as in the paper.
-    WhileMoving,
+    WhileMoving = "while_moving",
+}
 }
 
 /// A clearance gap: one number for all axes, or one per axis (equation 3.1). In
@@ -226,7 +222,6 @@ pub struct Limits {
 
 /// Which states of the motion the reply holds, beside the ends of all legs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
 pub enum Sampling {
     /// One every so many seconds.
     Period(f64),

@@ -213,7 +213,7 @@ fn check_said(unreadable: json::UnreadableScene, field: &str, message: &str) {
 fn unknown_fields_are_named() {
     let check = |field: &str, value: &str, path: &str, known: &str| {
         let known: Vec<_> = known.split(' ').map(|name| format!("`{name}`")).collect();
-        let message = format!("{path} is not a known field; known here are {}", known.join(", "));
+        let message = format!("{path} is not a known field; expected one of {}", known.join(", "));
         check_refused(&with(field, value), path, &message);
     };
     let scene = "id task free_space body exit start goal start_turn clearance limits sampling \
@@ -285,7 +285,8 @@ fn fields_given_twice_are_refused() {
         check_refused(text, path, &format!("{path} is given twice"));
     };
     check("{\"id\": 7, \"id\": 8}", "id");
-    check("{\"id\": 7, \"task\": null, \"task\": \"drive\"}", "task");
+    check("{\"id\": 7, \"deadline\": null, \"deadline\": 1}", "deadline");
+    check("{\"id\": 7, \"exit\": [], \"exit\": null}", "exit");
     check(&with("body", r#"{"box": {"min": [1, 2], "min": [1, 2]}}"#), "body.box.min");
     check(&with("body", r#"{"box": 1, "box": 2}"#), "body.box");
     check(&with("limits", r#"{"speed": 1, "\u0073peed": 1}"#), "limits.speed");
@@ -296,57 +297,59 @@ fn wrong_types_are_refused() {
     let check = |field: &str, value: &str, path: &str, must: &str| {
         check_refused(&with(field, value), path, &format!("{path} must be {must}"));
     };
-    let tasks = r#"one of "disassemble", "assemble", "drive", but is"#;
+    let tasks = r#"one of "disassemble", "assemble", "drive", not"#;
     check("task", "\"fly\"", "task", &format!("{tasks} the text \"fly\""));
     check("task", "3", "task", &format!("{tasks} 3"));
-    let space = "an object with `channels`, `in_order`, `solids`, `bounds`, but is";
-    check("free_space", "[]", "free_space", &format!("{space} a list of 0"));
-    check("free_space", r#"{"channels": 1}"#, "free_space.channels", "a list, but is 1");
+    let space = "an object with `channels`, `in_order`, `solids`, `bounds`, not";
+    check("free_space", "[]", "free_space", &format!("{space} an empty list"));
+    check("free_space", r#"{"channels": 1}"#, "free_space.channels", "a list, not 1");
     let in_order = "free_space.in_order";
-    check("free_space", r#"{"in_order": 1}"#, in_order, "true or false, but is 1");
-    let sides = "an object with `min`, `max`, but is a list of 2";
+    check("free_space", r#"{"in_order": 1}"#, in_order, "true or false, not 1");
+    let sides = "an object with `min`, `max`, not a list of 2";
     let pair = r#"{"channels": [[[1, 2], [3, 4]]]}"#;
     check("free_space", pair, "free_space.channels[0]", sides);
-    let body = "an object with `polygon`, `box`, `footprint`, but is";
+    let body = "an object with one of `polygon`, `box`, `footprint`, not";
     check("body", "\"box\"", "body", &format!("{body} the text \"box\""));
-    check("body", r#"{"polygon": 1}"#, "body.polygon", "a list, but is 1");
-    let points = "a list of 2 to 3 numbers, but is";
+    check("body", r#"{"polygon": 1}"#, "body.polygon", "a list, not 1");
+    let points = "a list of 2 or 3 numbers, not";
     check("body", r#"{"polygon": [[1]]}"#, "body.polygon[0]", &format!("{points} a list of 1"));
     let four = r#"{"polygon": [[1, 2], [1, 2, 3, 4]]}"#;
     check("body", four, "body.polygon[1]", &format!("{points} a list of 4"));
     check("body", r#"{"polygon": [{}]}"#, "body.polygon[0]", &format!("{points} an object"));
     let text = r#"{"polygon": [[1, "2"]]}"#;
-    check("body", text, "body.polygon[0][1]", "a number, but is the text \"2\"");
-    check("body", r#"{"polygon": [[null, 2]]}"#, "body.polygon[0][0]", "a number, but is null");
-    check("deadline", "\"1s\"", "deadline", "a number, but is the text \"1s\"");
-    check("deadline", "\"NaN\"", "deadline", "a number, but is the text \"NaN\"");
-    check("limits", r#"{"speed": true}"#, "limits.speed", "a number, but is true");
-    let exits = r#"one of "+x", "-x", "+y", "-y", "+z", "-z", but is"#;
+    check("body", text, "body.polygon[0][1]", "a number, not the text \"2\"");
+    check("body", r#"{"polygon": [[null, 2]]}"#, "body.polygon[0][0]", "a number, not null");
+    check("deadline", "\"1s\"", "deadline", "a number, not the text \"1s\"");
+    check("deadline", "\"NaN\"", "deadline", "a number, not the text \"NaN\"");
+    check("limits", r#"{"speed": true}"#, "limits.speed", "a number, not true");
+    let exits = r#"one of "+x", "-x", "+y", "-y", "+z", "-z""#;
+    check("exit", r#"["+z", 3]"#, "exit[1]", &format!("{exits}, not 3"));
+    let exits = format!("{exits} or a list of these, not");
     check("exit", "\"up\"", "exit", &format!("{exits} the text \"up\""));
-    check("exit", r#"["+z", 3]"#, "exit[1]", &format!("{exits} 3"));
-    check("start_turn", "1", "start_turn", "one of \"in_place\", \"while_moving\", but is 1");
-    let wish = "\"safest\" or an object with `gap`, `gaps`, `each` or `curve`, but is";
+    check("exit", "{}", "exit", &format!("{exits} an object"));
+    check("start_turn", "1", "start_turn", "one of \"in_place\", \"while_moving\", not 1");
+    let wish = "\"safest\" or an object with one of `gap`, `gaps`, `each`, `curve`, not";
     check("clearance", "0.2", "clearance", &format!("{wish} 0.2"));
     check("clearance", "\"safe\"", "clearance", &format!("{wish} the text \"safe\""));
-    let gap = "a number or a list of 1 to 3 numbers, but is";
+    let gap = "a number or a list of 1 to 3 numbers, not";
     check("clearance", r#"{"gap": "1"}"#, "clearance.gap", &format!("{gap} the text \"1\""));
     check("clearance", r#"{"gaps": [{}]}"#, "clearance.gaps[0]", &format!("{gap} an object"));
-    let several = "a list of 1 to 3 numbers, but is";
-    check("clearance", r#"{"gap": []}"#, "clearance.gap", &format!("{several} a list of 0"));
+    let several = "a list of 1 to 3 numbers, not";
+    check("clearance", r#"{"gap": []}"#, "clearance.gap", &format!("{several} an empty list"));
     let four = r#"{"each": [[1, 2, 3, 4]]}"#;
     check("clearance", four, "clearance.each[0]", &format!("{several} a list of 4"));
-    let choice = "a gap (a number or a list of 1 to 3 numbers), \"safest\" or an object with \
-                  `gap` or `gaps`, but is";
+    let choice = "a gap (a number or a list of 1 to 3 numbers), \"safest\", or an object with one of \
+                  `gap`, `gaps`, not";
     check("clearance", r#"{"each": [true]}"#, "clearance.each[0]", &format!("{choice} true"));
-    let count = format!("a whole number from 0 to {}, but is", u64::MAX);
+    let count = format!("a whole number from 0 to {}, not", u64::MAX);
     check("clearance", r#"{"curve": 2.5}"#, "clearance.curve", &format!("{count} 2.5"));
-    check("sampling", r#"{"count": -3}"#, "sampling.count", &format!("{count} -3.0"));
+    check("sampling", r#"{"count": -3}"#, "sampling.count", &format!("{count} -3"));
     let long = format!("\"{}\"", "é".repeat(100));
     check(
         "deadline",
         &long,
         "deadline",
-        &format!("a number, but is the text \"{}…\"", "é".repeat(30)),
+        &format!("a number, not the text \"{}…\"", "é".repeat(30)),
     );
 }
 
@@ -355,11 +358,11 @@ fn ids_that_are_no_u64_are_refused() {
     let check = |id: &str, said: &str| {
         let unreadable = json::read_scene(&with("id", id)).unwrap_err();
         assert_eq!(unreadable.id, None);
-        let message = format!("id must be a whole number from 0 to {}, but is {said}", u64::MAX);
+        let message = format!("id must be a whole number from 0 to {}, not {said}", u64::MAX);
         check_said(unreadable, "id", &message);
     };
     check("\"7\"", "the text \"7\"");
-    check("-1", "-1.0");
+    check("-1", "-1");
     check("7.0", "7.0");
     check("18446744073709551616", "1.8446744073709552e19");
     check("[7]", "a list of 1");
@@ -367,23 +370,30 @@ fn ids_that_are_no_u64_are_refused() {
 
 #[test]
 fn texts_that_are_no_json_are_refused() {
-    let check = |text: &str, field: &str, said: &str| {
-        let message = format!("{field}: no JSON can be read here: {said}");
-        check_said(json::read_scene(text).unwrap_err(), field, &message);
+    let check = |text: &str, message: &str| {
+        let unreadable = json::read_scene(text).unwrap_err();
+        check_said(
+            unreadable,
+            message.split_once(": invalid").map_or("scene", |(field, _)| field),
+            message,
+        );
     };
-    check("", "scene", "EOF while parsing a value at line 1 column 0");
-    check("{", "scene", "EOF while parsing an object at line 1 column 1");
-    check("nonsense", "scene", "expected ident at line 1 column 2");
-    check("{\"id\": 1,}", "scene", "trailing comma at line 1 column 10");
-    check("{\"id\": NaN}", "id", "expected value at line 1 column 8");
-    check("{\"deadline\": 1e999}", "deadline", "number out of range at line 1 column 18");
-    let space = "{\"free_space\": {\"channels\": [{\"min\": [4, -1e400]}]}}";
-    let path = "free_space.channels[0].min[1]";
-    check(space, path, "number out of range at line 1 column 47");
+    check("", "invalid JSON at line 1, column 0: EOF while parsing a value");
+    check("{", "invalid JSON at line 1, column 1: EOF while parsing an object");
+    check("nonsense", "invalid JSON at line 1, column 2: expected ident");
+    check("{\"id\": 1,}", "invalid JSON at line 1, column 10: trailing comma");
+    check("{\n\"id\": NaN}", "id: invalid JSON at line 2, column 7: expected value");
+    check(
+        "{\"deadline\": 1e999}",
+        "deadline: invalid JSON at line 1, column 18: number out of range",
+    );
+    check(
+        "{\"free_space\": {\"channels\": [{\"min\": [4, -1e400]}]}}",
+        "free_space.channels[0].min[1]: invalid JSON at line 1, column 47: number out of range",
+    );
     check(
         "{\"body\": {\"polygon\": [[1, 2], [3 4]]}}",
-        "body.polygon[1]",
-        "expected `,` or `]` at line 1 column 34",
+        "body.polygon[1]: invalid JSON at line 1, column 34: expected `,` or `]`",
     );
 }
 
@@ -391,16 +401,14 @@ fn texts_that_are_no_json_are_refused() {
 fn what_surrounds_a_scene_is_refused() {
     let text = with("deadline", "1");
     let column = text.len() + 2;
-    let said = format!(
-        "something follows the scene's JSON: trailing characters at line 1 column {column}"
-    );
+    let said = format!("invalid JSON at line 1, column {column}: unexpected text after the scene");
     check_refused(&format!("{text} {{}}"), "scene", &said);
-    let said = "the text begins with a byte order mark, which JSON does not have";
+    let said = "invalid JSON: the text begins with a byte order mark; save it without one";
     check_refused(&format!("\u{feff}{text}"), "scene", said);
     assert!(json::read_scene(&format!(" \r\n\t{text}\n\n")).is_ok());
     let list = json::read_scene("[7]").unwrap_err();
     assert_eq!(list.id, None);
-    assert!(list.refusal.message.ends_with("`deadline`, but is a list of 1"), "{list:?}");
+    assert!(list.refusal.message.ends_with("`deadline`, not a list of 1"), "{list:?}");
     assert!(list.refusal.message.starts_with("scene must be an object with `id`, `task`"));
 }
 

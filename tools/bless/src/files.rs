@@ -49,6 +49,10 @@ pub(crate) const FILES: &[File] = &[
     whole("docs/figures/table-1.svg", figures::table_1::figure),
     whole("docs/figures/tangents.svg", figures::tangents::figure),
     whole("schemas/src/wire/layout.txt", schemas::wire::layout_text),
+    #[cfg(feature = "json-schema")]
+    whole("schemas/json/reply.schema.json", schemas::json::schema::reply),
+    #[cfg(feature = "json-schema")]
+    whole("schemas/json/scene.schema.json", schemas::json::schema::scene),
 ];
 
 impl File {

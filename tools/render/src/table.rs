@@ -3,9 +3,7 @@
 use std::io::{self, Write};
 
 use comfy_table::{CellAlignment, Table, presets};
-use schemas::message::{
-    Answer, Curve, ErrorCode, Leg, Refusal, Reply, SceneRequest, Trajectory, Vector,
-};
+use schemas::message::{Answer, Curve, Leg, Refusal, Reply, SceneRequest, Trajectory, Vector};
 
 /// Writes a reply as tables: a row for each answer, and the legs if there is only one. `scene`
 /// is `None` if it could not be read.
@@ -16,7 +14,7 @@ pub fn write(
     reply: &Reply,
 ) -> io::Result<()> {
     let id = reply.id.map_or(String::new(), |id| format!(" (id {id})"));
-    let task = scene.map_or(String::new(), |scene| format!("{:?}: ", scene.task).to_lowercase());
+    let task = scene.map_or(String::new(), |scene| format!("{}: ", scene.task));
     match &reply.answers {
         Err(refusal) => writeln!(out, "{name}{id}: {task}{}\n", refused(refusal)),
         Ok(answers) => {
@@ -38,19 +36,7 @@ pub fn write(
 
 /// A refusal in one line.
 pub fn refused(refusal: &Refusal) -> String {
-    format!("refused, {}: {}", code(refusal.code), refusal.message)
-}
-
-fn code(code: ErrorCode) -> String {
-    let name = format!("{code:?}");
-    let mut text = String::new();
-    for letter in name.chars() {
-        if letter.is_uppercase() && !text.is_empty() {
-            text.push('_');
-        }
-        text.extend(letter.to_lowercase());
-    }
-    text
+    format!("refused, {}: {}", refusal.code, refusal.message)
 }
 
 /// A table without frames; all columns but the first are right-aligned.
@@ -88,26 +74,25 @@ fn answers_table(answers: &[Answer]) -> Table {
 fn legs_table(legs: &[Leg]) -> Table {
     let mut table = table(&["leg", "from", "to", "length", "clearance", "rule"]);
     for leg in legs {
-        let (kind, from, to) = match &leg.curve {
-            Curve::Line { from, to, .. } => ("line", point(from), point(to)),
+        let (from, to) = match &leg.curve {
+            Curve::Line { from, to, .. } => (point(from), point(to)),
             Curve::Arc { center, radius, sweep, .. } => (
-                "arc",
                 format!("about {} r {radius:.3}", point(center)),
                 format!("{:+.1}°", sweep.to_degrees()),
             ),
             Curve::Turn { position, sweep, .. } => {
-                ("turn", point(position), format!("{:+.1}°", sweep.to_degrees()))
+                (point(position), format!("{:+.1}°", sweep.to_degrees()))
             }
         };
         table.add_row([
-            kind.to_owned(),
+            leg.curve.kind().to_string(),
             from,
             to,
             format!("{:.6} m", leg.length),
             format!("{:.6} m", leg.clearance),
             leg.rule.map_or(String::new(), |rule| {
                 let junction = leg.junction.map_or(String::new(), |at| format!(", junction {at}"));
-                format!("table {}, rule {}{junction}", rule.table, rule.number)
+                format!("{rule}{junction}")
             }),
         ]);
     }

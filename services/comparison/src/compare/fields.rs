@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use schemas::message::{
-    Answer, AxisBox, Clearance, Curve, Direction, ErrorCode, Leg, Refusal, Reply, Rule, Sample,
-    Trajectory, Vector,
+    Answer, AxisBox, Clearance, Curve, Leg, Refusal, Reply, Sample, Trajectory, Vector,
 };
 
 use super::number::digits;
@@ -196,7 +195,7 @@ impl<'a> Comparer<'a> {
             heading,
             setting,
         } = recorded;
-        self.same("error.code", code_name(*code), code_name(planned.code))?;
+        self.same("error.code", *code, planned.code)?;
         self.optional("error.field", field.as_deref(), planned.field.as_deref())?;
         self.optional("error.junction", *junction, planned.junction)?;
         self.named("error.axis", *axis, planned.axis, axis_name)?;
@@ -226,7 +225,7 @@ impl<'a> Comparer<'a> {
         } = recorded;
         self.same("dimension", *dimension, planned.dimension)?;
         self.same("gaps_per_junction", *gaps_per_junction, planned.gaps_per_junction)?;
-        self.named("exit", *exit, planned.exit, exit_name)?;
+        self.optional("exit", *exit, planned.exit)?;
         self.number("length", *length, planned.length)?;
         self.number("duration", *duration, planned.duration)?;
         self.clearances(clearance, &planned.clearance)?;
@@ -259,7 +258,7 @@ impl<'a> Comparer<'a> {
         self.number("length", length, planned.length)?;
         self.number("clearance", clearance, planned.clearance)?;
         self.optional("junction", junction, planned.junction)?;
-        self.named("rule", rule, planned.rule, rule_name)
+        self.optional("rule", rule, planned.rule)
     }
 
     fn curves(&self, recorded: Curve, planned: Curve) -> Compared {
@@ -292,7 +291,7 @@ impl<'a> Comparer<'a> {
                 self.angle("to_heading", to_heading, t)?;
                 self.number("sweep", sweep, s)
             }
-            (recorded, planned) => self.same("kind", kind_name(recorded), kind_name(planned)),
+            (recorded, planned) => self.same("kind", recorded.kind(), planned.kind()),
         }
     }
 
@@ -307,7 +306,7 @@ impl<'a> Comparer<'a> {
 }
 
 fn brief(refusal: &Refusal) -> String {
-    format!("a refusal ({}: {})", code_name(refusal.code), refusal.message)
+    format!("a refusal ({}: {})", refusal.code, refusal.message)
 }
 
 fn axis_name(axis: u32) -> String {
@@ -316,40 +315,5 @@ fn axis_name(axis: u32) -> String {
         1 => "y".to_owned(),
         2 => "z".to_owned(),
         other => format!("axis {other}"),
-    }
-}
-
-fn rule_name(Rule { table, number }: Rule) -> String {
-    format!("table {table} rule {number}")
-}
-
-fn code_name(code: ErrorCode) -> String {
-    let mut name = String::new();
-    for letter in format!("{code:?}").chars() {
-        if letter.is_uppercase() && !name.is_empty() {
-            name.push('_');
-        }
-        name.extend(letter.to_lowercase());
-    }
-    name
-}
-
-fn exit_name(exit: Direction) -> String {
-    let name = match exit {
-        Direction::PlusX => "+x",
-        Direction::MinusX => "-x",
-        Direction::PlusY => "+y",
-        Direction::MinusY => "-y",
-        Direction::PlusZ => "+z",
-        Direction::MinusZ => "-z",
-    };
-    name.to_owned()
-}
-
-fn kind_name(curve: Curve) -> &'static str {
-    match curve {
-        Curve::Line { .. } => "line",
-        Curve::Arc { .. } => "arc",
-        Curve::Turn { .. } => "turn",
     }
 }

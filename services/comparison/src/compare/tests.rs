@@ -83,7 +83,7 @@ fn the_first_difference_is_named() {
     );
     check(
         |planned| planned.legs[0].rule = Some(Rule { table: 2, number: 1 }),
-        "answer 1, leg 0, rule: recorded table 1 rule 3, planned table 2 rule 1",
+        "answer 1, leg 0, rule: recorded table 1, rule 3, planned table 2, rule 1",
     );
     check(
         |planned| {

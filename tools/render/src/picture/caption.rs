@@ -134,7 +134,7 @@ pub(super) fn answered(
         },
         _ => Line::plain("no walls".to_owned()),
     };
-    let exit = answer.exit.map(|exit| format!("  \u{b7}  out along {}", name(exit)));
+    let exit = answer.exit.map(|exit| format!("  \u{b7}  out along {exit}"));
     let measures = format!(
         "length {} m  \u{b7}  duration {} s{}",
         significant(answer.length),
@@ -156,18 +156,6 @@ fn by_leg(answer: &Trajectory) -> Option<String> {
     (few && differ).then(|| format!("by leg {} m", values.join(", ")))
 }
 
-fn name(direction: schemas::message::Direction) -> &'static str {
-    use schemas::message::Direction::{MinusX, MinusY, MinusZ, PlusX, PlusY, PlusZ};
-    match direction {
-        PlusX => "+x",
-        MinusX => "-x",
-        PlusY => "+y",
-        MinusY => "-y",
-        PlusZ => "+z",
-        MinusZ => "-z",
-    }
-}
-
 fn heads(text: &str, color: &'static str, room: f64) -> Vec<Line> {
     let line = |text| Line { text, color, bold: true };
     wrap(text, SIZE * 1.06, room, 3).into_iter().map(line).collect()
@@ -180,9 +168,7 @@ pub(super) fn refused(
     refusal: &Refusal,
     room: f64,
 ) -> Vec<Line> {
-    let code = serde_json::to_value(refusal.code).ok();
-    let code = code.as_ref().and_then(|code| code.as_str()).unwrap_or("refused");
-    let code = code.replace('_', " ");
+    let code = refusal.code.name().replace('_', " ");
     let head = match place {
         Some((index, answers)) => {
             format!("{}{}: {code}", letter(index, answers), wish(scene, index))

@@ -1,0 +1,346 @@
+//! The published schemas are those of the reader: what one takes, the other takes.
+
+#[expect(dead_code, reason = "the messages of shared memory and recordings have no schema")]
+#[path = "../../../schemas/tests/messages/strategies.rs"]
+mod strategies;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use jsonschema::Validator;
+use proptest::collection::vec;
+use proptest::option::of;
+use proptest::prelude::*;
+use schema_tests::{Change, changes, mutant};
+use schemas::json::{self, schema};
+use schemas::message::{Reply, Request, RequestContent, RequestKey};
+use serde_json::{Value, json};
+
+static SCENE: LazyLock<Validator> = LazyLock::new(|| validator(&schema::scene()));
+static REPLY: LazyLock<Validator> = LazyLock::new(|| validator(&schema::reply()));
+
+fn validator(schema: &str) -> Validator {
+    let schema = serde_json::from_str(schema).unwrap();
+    jsonschema::meta::validate(&schema).unwrap();
+    jsonschema::draft202012::new(&schema).unwrap()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+#[test]
+fn published_schemas_are_current() {
+    for (name, generated) in [("scene", schema::scene()), ("reply", schema::reply())] {
+        let path = root().join(format!("schemas/json/{name}.schema.json"));
+        let published = fs::read_to_string(&path).unwrap();
+        assert_eq!(published, generated, "{name}: run `cargo bless`");
+    }
+}
+
+/// JSON Schema takes 7.0 for an integer, the reader does not: an `id` is echoed as it is
+/// written. This is what the schema is shown in place of such numbers.
+fn without_whole_fractions(value: &Value) -> Value {
+    match value {
+        Value::Number(number) => match number.as_f64() {
+            Some(value) if number.is_f64() && value.fract() == 0.0 => json!(value + 0.5),
+            _ => value.clone(),
+        },
+        Value::Array(list) => list.iter().map(without_whole_fractions).collect(),
+        Value::Object(fields) => {
+            let fields = fields.iter();
+            fields.map(|(name, value)| (name.clone(), without_whole_fractions(value))).collect()
+        }
+        other => other.clone(),
+    }
+}
+
+/// Why the schema refuses a document, if it does.
+fn refused(validator: &Validator, document: &Value) -> Option<String> {
+    let shown = without_whole_fractions(document);
+    let error = validator.validate(&shown).err()?;
+    Some(format!("{}: {error}", error.instance_path()))
+}
+
+fn check_scene(document: &Value) -> Result<(), TestCaseError> {
+    let read = json::read_scene(&document.to_string()).map_err(|error| error.refusal.message);
+    match (read, refused(&SCENE, document)) {
+        (Ok(_), None) | (Err(_), Some(_)) => Ok(()),
+        (Ok(_), Some(error)) => Err(TestCaseError::fail(format!("{error}\n{document:#}"))),
+        (Err(error), None) => Err(TestCaseError::fail(format!("only the reader: {error}"))),
+    }
+}
+
+/// What JSON Schema can't say of a reply.
+const ONLY_THE_READER: [&str; 3] = [
+    // Points agree in their number of coordinates.
+    "all in 2 or all in 3 dimensions",
+    "has positions of",
+    // The numbers of tables and rules are at most 65,535.
+    "must be a rule",
+];
+
+fn check_reply(document: &Value) -> Result<(), TestCaseError> {
+    let read = json::read_reply(&document.to_string()).map_err(|error| error.message);
+    match (read, refused(&REPLY, document)) {
+        (Ok(_), None) | (Err(_), Some(_)) => Ok(()),
+        (Ok(_), Some(error)) => Err(TestCaseError::fail(format!("{error}\n{document:#}"))),
+        (Err(error), None) if ONLY_THE_READER.iter().any(|known| error.contains(known)) => Ok(()),
+        (Err(error), None) => Err(TestCaseError::fail(format!("only the reader: {error}"))),
+    }
+}
+
+const SCENE_NAMES: &[&str] = &[
+    "id",
+    "task",
+    "free_space",
+    "body",
+    "exit",
+    "start",
+    "goal",
+    "start_turn",
+    "clearance",
+    "limits",
+    "sampling",
+    "deadline",
+    "channels",
+    "in_order",
+    "solids",
+    "bounds",
+    "min",
+    "max",
+    "polygon",
+    "box",
+    "footprint",
+    "width",
+    "length",
+    "position",
+    "heading",
+    "gap",
+    "gaps",
+    "each",
+    "curve",
+    "speed",
+    "yaw_rate",
+    "period",
+    "count",
+    "unknown",
+    "",
+    "safest",
+];
+
+const REPLY_NAMES: &[&str] = &[
+    "id",
+    "trajectories",
+    "error",
+    "gap",
+    "route",
+    "channels",
+    "exit",
+    "length",
+    "duration",
+    "clearance",
+    "legs",
+    "samples",
+    "value",
+    "at",
+    "wall",
+    "kind",
+    "from",
+    "to",
+    "heading",
+    "turned",
+    "center",
+    "radius",
+    "start_angle",
+    "sweep",
+    "position",
+    "from_heading",
+    "to_heading",
+    "rule",
+    "junction",
+    "t",
+    "velocity",
+    "yaw_rate",
+    "code",
+    "message",
+    "field",
+    "axis",
+    "needs",
+    "has",
+    "least",
+    "most",
+    "setting",
+    "unknown",
+    "",
+];
+
+fn any_reply() -> impl Strategy<Value = Reply> {
+    let refusal = || strategies::refusal(&strategies::finite());
+    let trajectory = strategies::trajectory(strategies::finite()).prop_map(|mut trajectory| {
+        // As the planner's: a gap for each axis, or one.
+        let each = if trajectory.gaps.len() % 2 == 0 { 2 } else { 1 };
+        trajectory.gaps_per_junction = each;
+        trajectory
+    });
+    let answer = prop_oneof![3 => trajectory.prop_map(Ok), 1 => refusal().prop_map(Err)];
+    let answers = prop_oneof![4 => vec(answer, 0..3).prop_map(Ok), 1 => refusal().prop_map(Err)];
+    (of(any::<u64>()), answers).prop_map(|(id, answers)| Reply {
+        key: RequestKey::default(),
+        id,
+        answers,
+    })
+}
+
+fn mutants<T>(
+    document: impl Strategy<Value = T>,
+    names: &'static [&'static str],
+) -> impl Strategy<Value = (T, Vec<Vec<Change>>)>
+where
+    T: std::fmt::Debug,
+{
+    (document, vec(changes(names), 16))
+}
+
+/// 512 documents, or as many as `PROPTEST_CASES` asks for, with 16 mutants each.
+fn many() -> ProptestConfig {
+    let config = ProptestConfig::default();
+    ProptestConfig { cases: config.cases.max(512), ..config }
+}
+
+proptest! {
+    #![proptest_config(many())]
+
+    #[test]
+    fn scenes_and_their_mutants_are_judged_alike(
+        (scene, mutants) in mutants(strategies::scene(strategies::finite()), SCENE_NAMES),
+    ) {
+        let document: Value = serde_json::from_str(&json::scene_to_json(&scene)).unwrap();
+        prop_assert_eq!(refused(&SCENE, &document), None);
+        check_scene(&document)?;
+        for changes in mutants {
+            check_scene(&mutant(document.clone(), &changes))?;
+        }
+    }
+
+    #[test]
+    fn replies_and_their_mutants_are_judged_alike(
+        (reply, mutants) in mutants(any_reply(), REPLY_NAMES),
+    ) {
+        let document: Value = serde_json::from_str(&json::reply_to_json(&reply)).unwrap();
+        prop_assert_eq!(refused(&REPLY, &document), None);
+        check_reply(&document)?;
+        for changes in mutants {
+            check_reply(&mutant(document.clone(), &changes))?;
+        }
+    }
+}
+
+/// Mutants that are refused are no proof if all are.
+#[test]
+fn mutants_are_of_both_kinds() {
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+    let mut runner = TestRunner::deterministic();
+    let strategy = mutants(strategies::scene(strategies::finite()), SCENE_NAMES);
+    let (mut valid, mut invalid) = (0, 0);
+    for _ in 0..64 {
+        let (scene, mutants) = strategy.new_tree(&mut runner).unwrap().current();
+        let document: Value = serde_json::from_str(&json::scene_to_json(&scene)).unwrap();
+        for changes in mutants {
+            match json::read_scene(&mutant(document.clone(), &changes).to_string()) {
+                Ok(_) => valid += 1,
+                Err(_) => invalid += 1,
+            }
+        }
+    }
+    assert!(valid > 100 && invalid > 100, "{valid} valid, {invalid} invalid");
+}
+
+/// The scenes in `recordings/scenes`, by file and line; some of them are broken on purpose.
+fn recorded_scenes() -> Vec<(String, String)> {
+    let mut scenes = Vec::new();
+    for file in fs::read_dir(root().join("recordings/scenes")).unwrap() {
+        let path = file.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let text = || fs::read_to_string(&path).unwrap();
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("json") => scenes.push((name, text())),
+            Some("jsonl") => {
+                let lines = text();
+                let lines = lines.lines().enumerate();
+                scenes.extend(
+                    lines.map(|(at, line)| (format!("{name}:{}", at + 1), line.to_owned())),
+                );
+            }
+            _ => {}
+        }
+    }
+    scenes
+}
+
+#[test]
+fn recorded_scenes_and_their_replies_are_valid() {
+    let caps = answer::Caps::default();
+    let (mut planned, mut refused_requests) = (0, 0);
+    for (name, text) in recorded_scenes() {
+        let mut document: Value = serde_json::from_str(&text).unwrap();
+        if document.get("free_space").is_none() {
+            // Goes with a map.
+            document["free_space"] =
+                json!({ "solids": [], "bounds": { "min": [-50, -50], "max": [50, 50] } });
+        }
+        check_scene(&document).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let Ok(scene) = json::read_scene(&document.to_string()) else { continue };
+        assert_eq!(refused(&SCENE, &document), None, "{name}");
+        let request = Request {
+            key: RequestKey::default(),
+            sent_ns: 0,
+            content: RequestContent::Scene(scene),
+        };
+        let reply = json::reply_to_json(&answer::reply_to(&request, &caps));
+        let document = serde_json::from_str(&reply).unwrap();
+        assert_eq!(refused(&REPLY, &document), None, "{name}");
+        let read = json::read_reply(&reply).unwrap();
+        assert_eq!(json::reply_to_json(&read), reply, "{name}");
+        match read.answers {
+            Ok(_) => planned += 1,
+            Err(_) => refused_requests += 1,
+        }
+    }
+    assert!(planned > 10 && refused_requests > 10, "{planned} planned, {refused_requests} refused");
+}
+
+#[test]
+fn integers_have_the_range_of_the_reader() {
+    let scene = |id: &str| -> Value {
+        let text = format!(
+            r#"{{"id":{id},"task":"drive","free_space":{{}},"body":{{"polygon":[]}},
+                "clearance":"safest"}}"#
+        );
+        serde_json::from_str(&text).unwrap()
+    };
+    for (id, valid) in [
+        ("0", true),
+        ("18446744073709551615", true),
+        ("18446744073709551616", false),
+        ("-1", false),
+        ("0.5", false),
+        ("null", true),
+    ] {
+        assert_eq!(refused(&SCENE, &scene(id)).is_none(), valid, "{id}");
+        check_scene(&scene(id)).unwrap();
+    }
+}
+
+/// A text that names a field twice is not one that a schema can be shown; a `7.0` is.
+#[test]
+fn the_reader_alone_refuses_repeated_fields_and_whole_fractions() {
+    let text =
+        r#"{"id":7,"task":"drive","free_space":{},"body":{"polygon":[]},"clearance":"safest"}"#;
+    for changed in [text.replace("7,", "7,\"id\":7,"), text.replace('7', "7.0")] {
+        let document: Value = serde_json::from_str(&changed).unwrap();
+        assert!(SCENE.is_valid(&document) && json::read_scene(&changed).is_err(), "{changed}");
+    }
+}
