@@ -1,4 +1,4 @@
-//! Owned messages: what is planned from, answered and recorded.
+//! Messages as owned values: requests, replies and their parts.
 
 mod assemble;
 mod named;
@@ -24,7 +24,7 @@ pub use crate::wire::Sample;
 
 use serde::{Deserialize, Serialize};
 
-/// What ties a reply to its request, whoever else is on the bus.
+/// Ties a reply to its request among those of all clients.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
 )]
@@ -41,24 +41,24 @@ impl std::fmt::Display for RequestKey {
     }
 }
 
-/// A request as it was sent: what `/planner/request` records.
+/// A request as it was sent; recorded on `/planner/request`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     /// Its key; the replies carry the same.
     pub key: RequestKey,
     /// When the client sent it.
     pub sent_ns: u64,
-    /// What it asks.
+    /// What it asks for.
     pub content: RequestContent,
 }
 
-/// What a request asks, if it can be read at all.
+/// What a request asks for, if it can be read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "nearly every request is a scene")]
 pub enum RequestContent {
     /// A scene to plan.
     Scene(SceneRequest),
-    /// Memory that is no scene, kept as it came: the header's words, then the payload's.
+    /// Memory that is not a scene, kept as it arrived: the header's words, then the payload's.
     Unreadable {
         /// [`crate::wire::RequestHeader`] as 64-bit words.
         header: Vec<u64>,

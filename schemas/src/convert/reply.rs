@@ -1,10 +1,10 @@
 //! Replies, part by part.
 
 use super::cells::{CellReader, CellWriter, Malformed};
-use super::codes::{self, DIRECTIONS, ERRORS};
+use super::codes;
 use crate::message::{
-    AxisBox, Clearance, Curve, Direction, Leg, Refusal, ReplyPart, RequestKey, Rule, Trajectory,
-    Vector,
+    AxisBox, Clearance, Curve, Direction, ErrorCode, Leg, Refusal, ReplyPart, RequestKey, Rule,
+    Trajectory, Vector,
 };
 use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS, present};
 
@@ -149,7 +149,7 @@ pub fn write_refusal<S: PartSink>(
         for (index, number) in numbers.iter().enumerate() {
             bits |= number.map_or(0, |_| present::NUMBERS << index);
         }
-        writer.push(codes::code(&ERRORS, refusal.code).into());
+        writer.push(codes::code(ErrorCode::ALL, refusal.code).into());
         writer.push(bits);
         writer.push(refusal.junction.unwrap_or(0));
         writer.push(refusal.axis.unwrap_or(0).into());
@@ -245,14 +245,14 @@ fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Traje
 fn read_exit(exit: u32) -> Result<Option<Direction>, Malformed> {
     match exit {
         0 => Ok(None),
-        code => codes::value("exit", &DIRECTIONS, u64::from(code) - 1).map(Some),
+        code => codes::value("exit", Direction::ALL, u64::from(code) - 1).map(Some),
     }
 }
 
 impl wire::ReplyHeader {
     /// The code of a way out for [`ReplyHeader::exit`].
     pub fn exit_code(exit: Option<Direction>) -> u32 {
-        exit.map_or(0, |exit| 1 + codes::code(&DIRECTIONS, exit))
+        exit.map_or(0, |exit| 1 + codes::code(Direction::ALL, exit))
     }
 }
 
@@ -292,7 +292,7 @@ fn read_leg(leg: &wire::Leg, point: impl Fn(&[f64]) -> Vector) -> Result<Leg, Ma
 
 fn read_refusal(header: &ReplyHeader, cells: &mut CellReader) -> Result<Refusal, Malformed> {
     let mut cells = CellReader::new(cells.take("refusal", header.refusal.into(), 1)?);
-    let code = codes::value("error code", &ERRORS, cells.next("refusal")?)?;
+    let code = codes::value("error code", ErrorCode::ALL, cells.next("refusal")?)?;
     let bits = cells.next("refusal")?;
     if bits & !present::ALL != 0 {
         let (code, greatest) = (bits, present::ALL);

@@ -1,10 +1,10 @@
 //! Scene requests.
 
 use super::cells::{CellReader, Malformed, demand};
-use super::codes::{self, DIRECTIONS, START_TURNS, TASKS};
+use super::codes;
 use crate::message::{
-    AxisBox, Body, Choice, ClearanceWish, Footprint, FreeSpace, Gap, Goal, Limits, Pose, Refusal,
-    RequestKey, Sampling, SceneRequest, Solid, Vector,
+    AxisBox, Body, Choice, ClearanceWish, Direction, Footprint, FreeSpace, Gap, Goal, Limits, Pose,
+    Refusal, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
 };
 use crate::wire::{RequestHeader, VERSION, given};
 
@@ -98,12 +98,12 @@ pub fn write_scene(
         client: key.client,
         sequence: key.sequence,
         sent_ns,
-        task: codes::code(&TASKS, scene.task),
+        task: codes::code(Task::ALL, scene.task),
         exits: scene.exit.len() as u32,
         ..RequestHeader::default()
     };
     write_options(scene, &mut header);
-    cells.extend(scene.exit.iter().map(|exit| u64::from(codes::code(&DIRECTIONS, *exit))));
+    cells.extend(scene.exit.iter().map(|exit| u64::from(codes::code(Direction::ALL, *exit))));
     write_wish(&scene.clearance, &mut header, cells);
     write_body(&scene.body, &mut header, cells);
     if let Some(channels) = &scene.free_space.channels {
@@ -157,7 +157,7 @@ fn write_options(scene: &SceneRequest, header: &mut RequestHeader) {
     }
     if let Some(start_turn) = scene.start_turn {
         header.given |= given::START_TURN;
-        header.start_turn = codes::code(&START_TURNS, start_turn);
+        header.start_turn = codes::code(StartTurn::ALL, start_turn);
     }
     if let Some(sampling) = scene.sampling {
         header.given |= given::SAMPLING;
@@ -284,7 +284,7 @@ pub fn read_scene(
     read_options(header, dimension, scene)?;
     scene.exit.clear();
     for code in cells.take("exits", u64::from(header.exits), 1)? {
-        scene.exit.push(codes::value("exit", &DIRECTIONS, *code)?);
+        scene.exit.push(codes::value("exit", Direction::ALL, *code)?);
     }
     read_wish(header, &mut cells, &mut scene.clearance)?;
     read_body(header, dimension, &mut cells, &mut scene.body)?;
@@ -323,7 +323,7 @@ fn read_options(
 ) -> Result<(), Malformed> {
     let has = |bit: u64| header.given & bit != 0;
     scene.id = has(given::ID).then_some(header.id);
-    scene.task = codes::value("task", &TASKS, header.task.into())?;
+    scene.task = codes::value("task", Task::ALL, header.task.into())?;
     scene.free_space.in_order = has(given::IN_ORDER);
     scene.free_space.bounds = has(given::BOUNDS).then(|| AxisBox {
         min: numbers(&header.bounds[..dimension]),
@@ -337,7 +337,7 @@ fn read_options(
         heading: has(given::GOAL_HEADING).then_some(heading),
     });
     scene.start_turn = match has(given::START_TURN) {
-        true => Some(codes::value("start_turn", &START_TURNS, header.start_turn.into())?),
+        true => Some(codes::value("start_turn", StartTurn::ALL, header.start_turn.into())?),
         false => None,
     };
     scene.sampling = match (has(given::SAMPLING), header.sampling_kind) {

@@ -5,9 +5,9 @@ use thiserror::Error;
 use super::{Answer, Reply, ReplyPart, RequestKey, Sample, Trajectory};
 use super::{AxisBox, Leg};
 
-/// Puts one reply together from its parts, which must come in order.
+/// Puts one reply together from its parts, which must arrive in order.
 ///
-/// What a part claims reserves nothing: memory is taken for what came, and only up to
+/// Memory is allocated for what has arrived, not for what a part announces, and only up to
 /// the limit of [`ReplyAssembler::with_most_bytes`]. A part that is refused leaves the
 /// assembler as it was.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ struct Head {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AssembleError {
     /// It belongs to another request.
-    #[error("a part of the reply to {found} came among those of the reply to {expected}")]
+    #[error("expected a part of the reply to {expected}, not of the reply to {found}")]
     Key {
         /// The request of the parts before.
         expected: RequestKey,
@@ -40,26 +40,26 @@ pub enum AssembleError {
         found: RequestKey,
     },
     /// It is not the next part.
-    #[error("part {expected} of the reply is missing: part {found} came")]
+    #[error("part {expected} of the reply is missing: part {found} arrived instead")]
     Part {
         /// The part that comes next.
         expected: u32,
-        /// The part that came.
+        /// The part that arrived.
         found: u32,
     },
-    /// The last part came before.
-    #[error("part {found} came after the reply's last, which was part {last}")]
+    /// The last part has already arrived.
+    #[error("part {found} arrived after part {last}, the last of the reply")]
     AfterLast {
         /// The last part.
         last: u32,
-        /// The part that came.
+        /// The part that arrived.
         found: u32,
     },
     /// It belongs to an answer that is neither the current one nor the next, or that
     /// the reply does not have.
     #[error("part {part} belongs to answer {found}, expected {expected} of {answers}")]
     Answer {
-        /// The part that came.
+        /// The part that arrived.
         part: u32,
         /// The answer that comes next.
         expected: u32,
@@ -69,31 +69,31 @@ pub enum AssembleError {
         answers: u32,
     },
     /// The reply ends too early.
-    #[error("part {part} is the last, but only {found} of {expected} answers came")]
+    #[error("part {part} is the last, but only {found} of {expected} answers have arrived")]
     MissingAnswers {
-        /// The part that came.
+        /// The part that arrived.
         part: u32,
         /// How many answers the reply has.
         expected: u32,
-        /// How many came.
+        /// How many have arrived.
         found: u32,
     },
-    /// It says otherwise than the parts before what all parts (of an answer) share.
-    #[error("part {part} says {found} for {field}, the parts before said {expected}")]
+    /// It contradicts the parts before in a field that they share.
+    #[error("part {part}: {field} is {found}, expected {expected}")]
     Disagrees {
-        /// The part that came.
+        /// The part that arrived.
         part: u32,
         /// The field's name.
         field: &'static str,
-        /// What the parts before say.
+        /// The value expected.
         expected: String,
-        /// What the part says.
+        /// The value in this part.
         found: String,
     },
-    /// The reply is larger than is allowed.
-    #[error("with part {part} the reply takes {needs} bytes, allowed are {most}")]
+    /// The reply takes more memory than allowed.
+    #[error("the reply takes {needs} bytes with part {part}, but at most {most} are allowed")]
     TooLarge {
-        /// The part that came.
+        /// The part that arrived.
         part: u32,
         /// Bytes with this part.
         needs: usize,
@@ -117,12 +117,12 @@ impl ReplyAssembler {
         Self { most_bytes, bytes: 0, parts: 0, complete: false, head: None, answers: Vec::new() }
     }
 
-    /// How many parts came so far, which is the number of the part that comes next.
+    /// How many parts have arrived, which is the number of the next part.
     pub fn parts(&self) -> u32 {
         self.parts
     }
 
-    /// Adds the next part; the last gives the reply.
+    /// Adds the next part; returns the reply after the last.
     pub fn push(&mut self, part: ReplyPart) -> Result<Option<Reply>, AssembleError> {
         let number = part.part;
         let head = Head { key: part.key, id: part.id, answers: part.answers };
@@ -142,7 +142,7 @@ impl ReplyAssembler {
         }
         if let Some(first) = self.head {
             if head.id != first.id {
-                return disagrees("id", format!("{:?}", first.id), format!("{:?}", head.id));
+                return disagrees("id", or_none(first.id), or_none(head.id));
             }
             if head.answers != first.answers {
                 let (expected, found) = (first.answers.to_string(), head.answers.to_string());
@@ -197,7 +197,7 @@ impl ReplyAssembler {
         }))
     }
 
-    /// The one part of a reply that refuses the request as a whole.
+    /// The only part of a reply that refuses the whole request.
     fn refuse(&mut self, head: Head, part: ReplyPart) -> Result<Option<Reply>, AssembleError> {
         let disagrees = |field, expected: &str, found: String| {
             let (part, expected) = (part.part, expected.to_owned());
@@ -208,10 +208,10 @@ impl ReplyAssembler {
             return Err(AssembleError::Answer { part: part.part, expected, found, answers });
         }
         if !part.last {
-            return disagrees("last", "true, as 0 answers follow", part.last.to_string());
+            return disagrees("last", "true", part.last.to_string());
         }
         match part.content {
-            Ok(_) => disagrees("content", "0 answers", kind(&part.content).into()),
+            Ok(_) => disagrees("content", "a refusal", kind(&part.content).into()),
             Err(refusal) => {
                 self.advance(head, size_of::<Answer>(), true);
                 Ok(Some(Reply { key: head.key, id: head.id, answers: Err(refusal) }))
@@ -230,7 +230,7 @@ impl ReplyAssembler {
 fn kind(answer: &Answer) -> &'static str {
     match answer {
         Ok(_) => "a trajectory",
-        Err(_) => "a refusal (in one part)",
+        Err(_) => "a refusal",
     }
 }
 
@@ -253,6 +253,10 @@ fn size(answer: &Answer) -> usize {
     size_of::<Answer>() + lists
 }
 
+fn or_none(value: Option<impl std::fmt::Display>) -> String {
+    value.map_or_else(|| "none".to_owned(), |value| value.to_string())
+}
+
 /// The first number that two parts of one trajectory do not share bit for bit.
 fn disagreement(first: &Trajectory, more: &Trajectory) -> Option<(&'static str, String, String)> {
     let integer = |field, first: u32, more: u32| {
@@ -266,7 +270,7 @@ fn disagreement(first: &Trajectory, more: &Trajectory) -> Option<(&'static str, 
         .or_else(|| integer("gaps_per_junction", first.gaps_per_junction, more.gaps_per_junction))
         .or_else(|| {
             let differ = first.exit != more.exit;
-            differ.then(|| ("exit", format!("{:?}", first.exit), format!("{:?}", more.exit)))
+            differ.then(|| ("exit", or_none(first.exit), or_none(more.exit)))
         })
         .or_else(|| number("length", first.length, more.length))
         .or_else(|| number("duration", first.duration, more.duration))
@@ -350,11 +354,11 @@ mod tests {
         let first = || part(0, 0, 2, Ok(samples(0..4)));
         check_error(
             [part(1, 0, 2, Ok(samples(0..4)))],
-            "part 0 of the reply is missing: part 1 came",
+            "part 0 of the reply is missing: part 1 arrived instead",
         );
         let third = part(2, 1, 2, Ok(samples(0..4)));
-        check_error([first(), third], "part 1 of the reply is missing: part 2 came");
-        check_error([first(), first()], "part 1 of the reply is missing: part 0 came");
+        check_error([first(), third], "part 1 of the reply is missing: part 2 arrived instead");
+        check_error([first(), first()], "part 1 of the reply is missing: part 0 arrived instead");
     }
 
     #[test]
@@ -375,8 +379,8 @@ mod tests {
         other.key.sequence = 4;
         check_error(
             [part(0, 0, 1, Ok(samples(0..1))), other],
-            "a part of the reply to 0000000000000007/4 came among those of the reply to \
-             0000000000000007/3",
+            "expected a part of the reply to 0000000000000007/3, not of the reply to \
+             0000000000000007/4",
         );
     }
 
@@ -393,7 +397,7 @@ mod tests {
         );
         check_error(
             [first(), last(part(1, 1, 3, Ok(samples(0..1))))],
-            "part 1 is the last, but only 2 of 3 answers came",
+            "part 1 is the last, but only 2 of 3 answers have arrived",
         );
         check_error(
             [part(0, 0, 1, Ok(samples(0..1))), part(1, 1, 1, Ok(samples(0..1)))],
@@ -406,28 +410,25 @@ mod tests {
         let first = || part(0, 0, 2, Ok(samples(0..1)));
         let mut longer = samples(1..2);
         longer.length = 1.75;
-        check_error(
-            [first(), part(1, 0, 2, Ok(longer))],
-            "part 1 says 1.75 for length, the parts before said 1.5",
-        );
+        check_error([first(), part(1, 0, 2, Ok(longer))], "part 1: length is 1.75, expected 1.5");
         check_error(
             [first(), part(1, 0, 3, Ok(samples(1..2)))],
-            "part 1 says 3 for answers, the parts before said 2",
+            "part 1: answers is 3, expected 2",
         );
         check_error(
             [first(), part(1, 0, 2, Err(refusal()))],
-            "part 1 says a refusal (in one part) for content, the parts before said a trajectory",
+            "part 1: content is a refusal, expected a trajectory",
         );
         let mut unnamed = part(1, 0, 2, Ok(samples(1..2)));
         unnamed.id = None;
-        check_error([first(), unnamed], "part 1 says None for id, the parts before said Some(9)");
+        check_error([first(), unnamed], "part 1: id is none, expected 9");
     }
 
     #[test]
     fn a_trajectory_can_not_refuse_the_request() {
         check_error(
             [part(0, 0, 0, Ok(samples(0..1)))],
-            "part 0 says a trajectory for content, the parts before said 0 answers",
+            "part 0: content is a trajectory, expected a refusal",
         );
     }
 

@@ -32,6 +32,9 @@ macro_rules! named {
             /// All values, in the order of their codes on the wire and in recordings.
             $visibility const ALL: &'static [Self] = &[$(Self::$Value,)+];
 
+            /// The names of all values, in the same order.
+            $visibility const NAMES: &'static [&'static str] = &[$($name,)+];
+
             /// The name used in JSON and in text.
             $visibility const fn name(self) -> &'static str {
                 match self {

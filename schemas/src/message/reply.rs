@@ -1,4 +1,4 @@
-//! The reply: trajectories, or why there is none.
+//! The reply: trajectories, or why there are none.
 
 use std::fmt;
 
@@ -14,11 +14,11 @@ pub struct Reply {
     pub key: RequestKey,
     /// The request's id.
     pub id: Option<u64>,
-    /// One answer to each clearance wished for; or why the request as a whole is refused.
+    /// An answer for each clearance asked for, or why the whole request is refused.
     pub answers: Result<Vec<Answer>, Refusal>,
 }
 
-/// The answer to one clearance wish.
+/// The answer for one clearance asked for.
 pub type Answer = Result<Trajectory, Refusal>;
 
 /// One bus message of a reply: what `/planner/reply` records. Long replies have
@@ -37,9 +37,9 @@ pub struct ReplyPart {
     pub last: bool,
     /// Which answer it belongs to, from 0.
     pub answer: u32,
-    /// How many answers the reply has; 0 where the request as a whole is refused.
+    /// How many answers the reply has; 0 if the whole request is refused.
     pub answers: u32,
-    /// What it says of this answer.
+    /// The answer, or what this part has of it.
     pub content: Answer,
 }
 
@@ -48,10 +48,9 @@ pub struct ReplyPart {
 pub struct Trajectory {
     /// How many coordinates positions have: 2 or 3.
     pub dimension: u32,
-    /// How many gaps stand in `gaps` for each junction: the dimension for
-    /// assembly tasks, 1 for driving.
+    /// How many gaps `gaps` has for each junction: the dimension for assembly tasks, 1 for driving.
     pub gaps_per_junction: u32,
-    /// The way out that was taken, where the request left a choice.
+    /// The way out that was taken, if the request gave several.
     pub exit: Option<Direction>,
     /// Arc length, metres.
     pub length: f64,
@@ -63,7 +62,7 @@ pub struct Trajectory {
     pub gaps: Vec<f64>,
     /// Indices of the channels travelled, in travel order.
     pub route: Vec<u64>,
-    /// The channels, where the planner made them.
+    /// The channels, if the planner made them.
     pub channels: Vec<AxisBox>,
     /// The pieces of the path.
     pub legs: Vec<Leg>,
@@ -91,9 +90,9 @@ pub struct Leg {
     pub length: f64,
     /// Exact least distance to the walls on it, metres.
     pub clearance: f64,
-    /// The junction it leads to or turns in, counted in travel order.
+    /// The junction it leads to or turns in, counted from 0 in travel order.
     pub junction: Option<u64>,
-    /// The rule of the paper that chose it.
+    /// The paper's rule that chose it.
     pub rule: Option<Rule>,
 }
 
@@ -108,7 +107,7 @@ pub enum Curve {
         to: Vector,
         /// Heading at its end.
         heading: f64,
-        /// Signed angle turned on the way; 0 but when turning while moving.
+        /// Signed angle turned on the way; 0 unless the robot turns while moving.
         turned: f64,
     },
     /// A part of a guiding circle, the heading tangent to it.
@@ -179,7 +178,7 @@ impl fmt::Display for Rule {
 pub struct Refusal {
     /// What kind of refusal.
     pub code: ErrorCode,
-    /// In words, with the numbers.
+    /// For people, with the numbers.
     #[serde(deserialize_with = "text")]
     pub message: String,
     /// The field of the request that is at fault, as a path.
@@ -229,8 +228,8 @@ impl Refusal {
     }
 }
 
-/// A text that is copied only once it is known to be there: the codec makes room for
-/// whatever length a `String` announces.
+/// A text that is copied from the bytes that hold it: for a `String` the codec allocates
+/// whatever length is announced.
 struct Text(String);
 
 impl<'de> Deserialize<'de> for Text {

@@ -18,26 +18,26 @@ pub struct SceneRequest {
     pub free_space: FreeSpace,
     /// What moves.
     pub body: Body,
-    /// Assembly tasks: ways out of the part to try; none means `+z`.
+    /// Assembly tasks: ways out of the part to try; `+z` if empty.
     pub exit: Vec<Direction>,
     /// Driving: where the robot stands.
     pub start: Option<Pose>,
     /// Driving: where it goes.
     pub goal: Option<Goal>,
-    /// Driving: how the robot takes up its first heading; none means in place.
+    /// Driving: how the robot takes up its first heading; by default in place.
     pub start_turn: Option<StartTurn>,
-    /// The clearance gaps wished for.
+    /// The clearance gaps to plan with.
     pub clearance: ClearanceWish,
     /// How fast the body may move.
     pub limits: Limits,
-    /// Which states of the motion the reply holds; none means every 0.02 s.
+    /// Which states of the motion the reply has; by default one every 0.02 s.
     pub sampling: Option<Sampling>,
-    /// Seconds from arrival within which the answer is of use.
+    /// Seconds from arrival within which the answer is useful.
     pub deadline: Option<f64>,
 }
 
 impl SceneRequest {
-    /// A scene without anything in it, to read another into.
+    /// A scene with nothing in it, to read another into.
     pub fn empty() -> Self {
         Self {
             id: None,
@@ -74,11 +74,11 @@ pub enum Task {
 pub struct FreeSpace {
     /// The channels.
     pub channels: Option<Vec<AxisBox>>,
-    /// Whether the channels stand in travel order, none skipped.
+    /// Whether the channels are listed in travel order, none skipped.
     pub in_order: bool,
     /// What the body must not touch.
     pub solids: Option<Vec<Solid>>,
-    /// Outermost limits of the free space beside solids.
+    /// Where the free space between the solids ends.
     pub bounds: Option<AxisBox>,
 }
 
@@ -153,7 +153,7 @@ pub struct Pose {
 pub struct Goal {
     /// The footprint's centre, metres.
     pub position: Vector,
-    /// Radians counter-clockwise from +x; none: the heading that it arrives with.
+    /// Radians counter-clockwise from +x; by default the heading with which it arrives.
     pub heading: Option<f64>,
 }
 
@@ -168,8 +168,7 @@ pub enum StartTurn {
 }
 }
 
-/// A clearance gap: one number for all axes, or one per axis (equation 3.1). In
-/// JSON a number or a list.
+/// A clearance gap: one number for all axes, or one per axis (equation 3.1).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Gap {
     /// The same along every axis; metres.
@@ -178,8 +177,7 @@ pub enum Gap {
     PerAxis(Vector),
 }
 
-/// How large the gaps are to be for one answer. Within `each` in JSON: a
-/// number, a list, `"safest"`, or an object with `gap` or `gaps`.
+/// The gaps of one of several answers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Choice {
     /// The same at every junction.
@@ -190,7 +188,7 @@ pub enum Choice {
     Safest,
 }
 
-/// The clearance gaps wished for: one answer, or several.
+/// The clearance gaps to plan with: for one answer, or for several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ClearanceWish {
     /// The same gap at every junction.
@@ -201,26 +199,26 @@ pub enum ClearanceWish {
     Safest,
     /// An answer to each of these.
     Each(Vec<Choice>),
-    /// This many answers, without samples, from the shortest to the safest.
+    /// This many answers, without samples, from the shortest path to the safest.
     Curve(u64),
 }
 
-/// How fast the body may move; what is not given has the planner's default.
+/// How fast the body may move; a limit that is not given has its default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Limits {
-    /// m/s; 1.0 where not given.
+    /// m/s; default 1.0.
     pub speed: Option<f64>,
-    /// Along the path, m/s²; 0.5 where not given.
+    /// Along the path, m/s²; default 0.5.
     pub acceleration: Option<f64>,
-    /// rad/s; 1.0 where not given.
+    /// rad/s; default 1.0.
     pub yaw_rate: Option<f64>,
-    /// While turning in place, rad/s²; 1.0 where not given.
+    /// While turning in place, rad/s²; default 1.0.
     pub yaw_acceleration: Option<f64>,
-    /// Across the path, m/s²; 0.5 where not given.
+    /// Across the path, m/s²; default 0.5.
     pub lateral_acceleration: Option<f64>,
 }
 
-/// Which states of the motion the reply holds, beside the ends of all legs.
+/// Which states of the motion the reply has, besides the ends of all legs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Sampling {
     /// One every so many seconds.

@@ -1,4 +1,4 @@
-//! One to three numbers, held in place.
+//! One to three numbers, without allocation.
 
 use std::fmt;
 
@@ -15,10 +15,10 @@ pub struct Vector {
 }
 
 impl Vector {
-    /// The most numbers that a vector holds.
+    /// The most numbers that a vector can have.
     pub const MOST: usize = 3;
 
-    /// The vector with these numbers, unless there are none or too many.
+    /// The vector with these numbers, if there are 1 to 3.
     pub fn new(values: &[f64]) -> Option<Self> {
         if values.is_empty() || values.len() > Self::MOST {
             return None;
@@ -38,7 +38,7 @@ impl Vector {
         self.length as usize
     }
 
-    /// The numbers, zero where there are fewer than three.
+    /// The numbers, padded with zeros to three.
     pub fn padded(&self) -> [f64; 3] {
         self.values
     }

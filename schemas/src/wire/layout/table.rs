@@ -4,6 +4,7 @@ use std::mem::offset_of;
 
 use super::Words::{Bits, Codes};
 use super::{Field, Item, Layout, Payload, Section, Structure, Words, field};
+use crate::message::{CurveKind, Direction, ErrorCode, StartTurn, Task};
 use crate::wire::{Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present};
 
 pub(super) const PREAMBLE: &str = "\
@@ -13,31 +14,6 @@ Little-endian 64-bit machines. Structures are laid out as in C, without padding;
 offset in bytes, type, field. Payloads are cells of 8 bytes, items in the order given here.
 What a bit or a count declares absent is not read. D is the header's dimension.
 ";
-
-/// Task by code.
-pub(super) const TASKS: [&str; 3] = ["disassemble", "assemble", "drive"];
-/// Start turn by code.
-pub(super) const START_TURNS: [&str; 2] = ["in_place", "while_moving"];
-/// Direction by code.
-pub(super) const DIRECTIONS: [&str; 6] = ["+x", "-x", "+y", "-y", "+z", "-z"];
-/// Refusal code by number.
-pub(super) const ERRORS: [&str; 15] = [
-    "invalid_scene",
-    "unsupported_version",
-    "body_outside_free_space",
-    "goal_outside_free_space",
-    "no_route",
-    "junction_too_small",
-    "gap_out_of_range",
-    "corners_too_close",
-    "turn_blocked",
-    "wall_in_the_way",
-    "too_many_samples",
-    "deadline_exceeded",
-    "overloaded",
-    "internal",
-    "too_costly",
-];
 
 const GIVEN: [(&str, u64); 16] = [
     ("id", given::ID),
@@ -131,8 +107,8 @@ const SECTIONS: &[Section] = &[
         sent_ns: "nanoseconds since the Unix epoch"
         given (Bits(&GIVEN)): "optional fields that are present"
         id: "echoed in the reply"
-        task (Codes(&TASKS)): ""
-        start_turn (Codes(&START_TURNS)): ""
+        task (Codes(Task::NAMES)): ""
+        start_turn (Codes(StartTurn::NAMES)): ""
         sampling_kind (Codes(&["period", "spacing", "count"])): ""
         body_kind (Codes(&["polygon", "box", "footprint"])): ""
         wish_kind (Codes(&["one choice", "each", "curve"])): ""
@@ -151,7 +127,7 @@ const SECTIONS: &[Section] = &[
         channels: "entries in the payload"
         solids: "entries in the payload"),
     payload!("Request": "the payload of a request"
-        "exit" ["exits"] (Codes(&DIRECTIONS)): "u64", ""
+        "exit" ["exits"] (Codes(Direction::NAMES)): "u64", ""
         "choice" ["choices"]: "Choice", ""
         "body" ["body_points"]: "D f64", "m; box: least, then greatest corner; \
             footprint: width, length"
@@ -203,7 +179,7 @@ const SECTIONS: &[Section] = &[
         "leg" ["legs"]: "Leg", ""
         "sample" ["samples"]: "Sample", ""),
     payload!("Refusal": "the payload if kind is 1"
-        "code" (Codes(&ERRORS)): "u64", ""
+        "code" (Codes(ErrorCode::NAMES)): "u64", ""
         "present" (Bits(&PRESENT)): "u64", "optional fields that are present"
         "junction": "u64", ""
         "axis" (Codes(&["x", "y", "z"])): "u64", ""
@@ -219,7 +195,7 @@ const SECTIONS: &[Section] = &[
         "field": "UTF-8", "likewise"
         "setting": "UTF-8", "likewise"),
     structure!(Leg: "a piece of a path"
-        kind (Codes(&["line", "arc", "turn"])): ""
+        kind (Codes(CurveKind::NAMES)): ""
         table: "of the rule; 0 for none"
         number: "of the rule in its table"
         junction: "all bits set for none"

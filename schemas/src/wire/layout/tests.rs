@@ -1,8 +1,7 @@
 //! What the hash depends on, and the text that is kept in the repository.
 
-use super::table::{DIRECTIONS, ERRORS, LAYOUT, START_TURNS, TASKS};
+use super::table::LAYOUT;
 use super::*;
-use crate::convert::codes;
 
 type Change = fn(&mut [Field; 2], &mut [Item; 1]);
 
@@ -71,19 +70,4 @@ fn the_version_is_part_of_the_hash() {
 #[test]
 fn the_text_in_the_repository_is_this_layouts() {
     assert_eq!(include_str!("../layout.txt"), text(), "run `cargo bless`");
-}
-
-/// The names in the tables are those of JSON, in the order of the codes.
-#[track_caller]
-fn check_names<T: serde::Serialize>(values: &[T], names: &[&str]) {
-    let json = |value| serde_json::to_value(value).unwrap().as_str().unwrap().to_owned();
-    assert_eq!(values.iter().map(json).collect::<Vec<_>>(), names);
-}
-
-#[test]
-fn codes_have_the_names_of_json() {
-    check_names(&codes::TASKS, &TASKS);
-    check_names(&codes::START_TURNS, &START_TURNS);
-    check_names(&codes::DIRECTIONS, &DIRECTIONS);
-    check_names(&codes::ERRORS, &ERRORS);
 }
