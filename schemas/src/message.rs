@@ -8,7 +8,7 @@ mod vector;
 
 pub use assemble::{AssembleError, ReplyAssembler};
 pub use reply::{
-    Answer, Clearance, Curve, CurveKind, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule,
+    Answer, Axis, Clearance, Curve, CurveKind, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule,
     Trajectory,
 };
 pub(crate) use reply::{optional_text, text};

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::trajectory::TrajectoryJson;
 use super::values::{Element, List, Word};
-use crate::message::{Answer, ErrorCode, Refusal, Reply, RequestKey, named};
+use crate::message::{Answer, Axis, ErrorCode, Refusal, Reply, RequestKey};
 
 /// A reply to a scene request: an answer for each clearance asked for, or the error
 /// because of which the whole request is refused. Lengths are in metres, angles in radians,
@@ -146,19 +146,6 @@ impl Element for Answer {
             AnswerJson::Refused(RefusedJson { error }) => Ok(Err(error.into_message())),
         }
     }
-}
-
-named! {
-/// The axes of the scene's frame; their indices are those of `ALL`.
-#[derive(Clone, Copy)]
-pub(super) enum Axis {
-    /// Along x.
-    X = "x",
-    /// Along y.
-    Y = "y",
-    /// Along z.
-    Z = "z",
-}
 }
 
 /// Why there is no trajectory, and what would have to change.

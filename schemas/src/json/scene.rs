@@ -12,8 +12,8 @@ use crate::message::{
 
 /// A scene request: where to plan, what moves, and how. Lengths are in metres, angles
 /// in radians, times in seconds. Frames are right-handed with z up; assembly scenes in two
-/// dimensions are in the plane (x, z), driving scenes in (x, y). `null` is the same as a
-/// field left out.
+/// dimensions are in the plane (x, z), driving scenes in (x, y). Coordinates and sizes are
+/// between -1e150 and 1e150. `null` is the same as a field left out.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -27,17 +27,17 @@ pub(super) struct SceneJson<'a> {
     free_space: FreeSpaceJson<'a>,
     /// What moves.
     body: BodyJson<'a>,
-    /// Assembly tasks: the direction in which the body leaves the part, or several of
+    /// Assembly tasks only: the direction in which the body leaves the part, or several of
     /// which the one with the shortest path is taken. Default: `"+z"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     exit: Option<Words<'a, Direction>>,
-    /// `drive`, which requires it: where the robot stands.
+    /// `drive` only, which requires it: where the robot stands.
     #[serde(skip_serializing_if = "Option::is_none")]
     start: Option<PoseJson>,
-    /// `drive`, which requires it: where the robot goes.
+    /// `drive` only, which requires it: where the robot goes.
     #[serde(skip_serializing_if = "Option::is_none")]
     goal: Option<GoalJson>,
-    /// `drive`: how the robot takes up its first heading. Default: `"in_place"`.
+    /// `drive` only: how the robot takes up its first heading. Default: `"in_place"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     start_turn: Option<Word<StartTurn>>,
     /// The clearance gaps to plan with; one answer, or several.
@@ -318,13 +318,13 @@ struct LimitsJson {
     /// Along the path, m/s². Default: 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     acceleration: Option<f64>,
-    /// `drive`: rad/s. Default: 1.0.
+    /// `drive` only: rad/s. Default: 1.0.
     #[serde(skip_serializing_if = "Option::is_none")]
     yaw_rate: Option<f64>,
-    /// `drive`: while turning in place, rad/s². Default: 1.0.
+    /// `drive` only: while turning in place, rad/s². Default: 1.0.
     #[serde(skip_serializing_if = "Option::is_none")]
     yaw_acceleration: Option<f64>,
-    /// `drive`: across the path, m/s². Default: 0.5.
+    /// `drive` only: across the path, m/s². Default: 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     lateral_acceleration: Option<f64>,
 }

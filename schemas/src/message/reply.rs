@@ -186,7 +186,7 @@ pub struct Refusal {
     pub field: Option<String>,
     /// The junction (corner) concerned, counted in travel order.
     pub junction: Option<u64>,
-    /// The axis concerned: 0 x, 1 y, 2 z.
+    /// The axis concerned, as the index in [`Axis::ALL`].
     pub axis: Option<u32>,
     /// What would be needed.
     pub needs: Option<f64>,
@@ -260,6 +260,19 @@ pub(crate) fn optional_text<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<String>, D::Error> {
     Ok(Option::deserialize(deserializer)?.map(|Text(text)| text))
+}
+
+named! {
+/// The axes of the scene's frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Axis {
+    /// Along x.
+    X = "x",
+    /// Along y.
+    Y = "y",
+    /// Along z.
+    Z = "z",
+}
 }
 
 named! {

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use super::Words::{Bits, Codes};
 use super::{Field, Item, Layout, Payload, Section, Structure, Words, field};
-use crate::message::{CurveKind, Direction, ErrorCode, StartTurn, Task};
+use crate::message::{Axis, CurveKind, Direction, ErrorCode, StartTurn, Task};
 use crate::wire::{Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present};
 
 pub(super) const PREAMBLE: &str = "\
@@ -182,7 +182,7 @@ const SECTIONS: &[Section] = &[
         "code" (Codes(ErrorCode::NAMES)): "u64", ""
         "present" (Bits(&PRESENT)): "u64", "optional fields that are present"
         "junction": "u64", ""
-        "axis" (Codes(&["x", "y", "z"])): "u64", ""
+        "axis" (Codes(Axis::NAMES)): "u64", ""
         "needs": "f64", ""
         "has": "f64", ""
         "least": "f64", ""

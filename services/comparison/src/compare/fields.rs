@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use schemas::message::{
-    Answer, AxisBox, Clearance, Curve, Leg, Refusal, Reply, Sample, Trajectory, Vector,
+    Answer, Axis, AxisBox, Clearance, Curve, Leg, Refusal, Reply, Sample, Trajectory, Vector,
 };
 
 use super::number::digits;
@@ -310,10 +310,5 @@ fn brief(refusal: &Refusal) -> String {
 }
 
 fn axis_name(axis: u32) -> String {
-    match axis {
-        0 => "x".to_owned(),
-        1 => "y".to_owned(),
-        2 => "z".to_owned(),
-        other => format!("axis {other}"),
-    }
+    Axis::ALL.get(axis as usize).map_or_else(|| format!("axis {axis}"), Axis::to_string)
 }
