@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use cargo_metadata::Package;
 use integration_tests::root;
 use proc_macro2::Span;
 use syn::punctuated::Punctuated;
@@ -48,9 +49,14 @@ pub(crate) struct Arrow {
 }
 
 impl Code {
-    /// The libraries of all our packages, or the program of one that has no library.
-    pub(crate) fn of_all_packages() -> Vec<Self> {
-        let packages = METADATA.packages.iter().map(|package| {
+    /// Services, messages and tools: of each package the library, or the program if it has
+    /// none. Tests and fuzz targets may do as they like.
+    pub(crate) fn of_services_and_tools() -> Vec<Self> {
+        let folders = ["schemas", "services", "tools"].map(|folder| root().join(folder));
+        let is_there = |package: &&Package| {
+            folders.iter().any(|folder| package.manifest_path.starts_with(folder))
+        };
+        let packages = METADATA.packages.iter().filter(is_there).map(|package| {
             let library = package.targets.iter().find(|target| target.is_lib());
             let target = library.or_else(|| package.targets.iter().find(|target| target.is_bin()));
             let target = target.unwrap_or_else(|| panic!("{} has no code", package.name));

@@ -2,6 +2,7 @@
 
 mod code;
 mod modules;
+mod names;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
