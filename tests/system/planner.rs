@@ -130,18 +130,21 @@ fn bad_settings_are_refused_by_name() {
     check(Some("wait ="), &["line 1, column 7"]);
     check(Some("wait = \"soon\""), &["unknown variant `soon`", "`event`, `hybrid`, `poll`"]);
     check(Some("colour = 1"), &["unknown field `colour`", "`tap_buffer`"]);
-    check(Some("max_clients = 0"), &["max_clients is 0", "from 1 to 1024"]);
-    check(Some("max_clients = 1025"), &["max_clients is 1025", "from 1 to 1024"]);
+    check(Some("max_clients = 0"), &["max_clients is 0", "between 1 and 1024"]);
+    check(Some("max_clients = 1025"), &["max_clients is 1025", "between 1 and 1024"]);
     check(Some("max_clients = -1"), &["max_clients", "-1"]);
-    check(Some("requests_per_client = 65"), &["requests_per_client is 65", "from 1 to 64"]);
-    check(Some("max_recorders = 17"), &["max_recorders is 17", "from 1 to 16"]);
-    check(Some("tap_buffer = 0"), &["tap_buffer is 0", "from 1 to 1048576"]);
-    check(Some("patience = -0.5"), &["patience is -0.5", "from 0 to 60"]);
-    check(Some("patience = nan"), &["patience is NaN", "from 0 to 60"]);
+    check(Some("requests_per_client = 65"), &["requests_per_client is 65", "between 1 and 64"]);
+    check(Some("max_recorders = 17"), &["max_recorders is 17", "between 1 and 16"]);
+    check(Some("tap_buffer = 0"), &["tap_buffer is 0", "between 1 and 1048576"]);
+    check(Some("patience = -0.5"), &["patience is -0.5", "between 0 and 60"]);
+    check(Some("patience = nan"), &["patience is NaN", "between 0 and 60"]);
     check(Some("cache = -1"), &["cache", "-1"]);
-    check(Some("cache = 2000000000000"), &["cache is 2000000000000", "from 0 to 1099511627776"]);
-    check(Some("[caps]\nsamples = 1"), &["caps.samples is 1,", "from 2 to 1099511627776"]);
-    check(Some("[caps]\nchannels = 0"), &["caps.channels is 0", "from 1 to 2147483648"]);
+    check(
+        Some("cache = 2000000000000"),
+        &["cache is 2000000000000", "between 0 and 1099511627776"],
+    );
+    check(Some("[caps]\nsamples = 1"), &["caps.samples is 1;", "between 2 and 1099511627776"]);
+    check(Some("[caps]\nchannels = 0"), &["caps.channels is 0", "between 1 and 2147483648"]);
     check(Some("[caps]\ncolour = 1"), &["unknown field `colour`", "`route_steps`"]);
 }
 

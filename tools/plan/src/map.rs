@@ -1,19 +1,19 @@
-//! Floor plans: an occupancy grid in the ROS map server's form, a picture with its
-//! YAML, as the free space of `drive` scenes.
+//! Floor plans as the free space of `drive` scenes: occupancy grids in the ROS map server's
+//! format, a picture and its YAML.
 //!
-//! A cell is free where the map server would say so, and solid otherwise: what is
-//! unknown is not free. Cells are squares of `resolution` metres with sides parallel to
-//! the axes; `origin` is the lower left corner of the picture's lower left pixel, so the
-//! picture's last row has the least y.
+//! A cell is free if the map server would call it free, and solid otherwise: unknown is not
+//! free. Cells are squares of `resolution` metres with sides parallel to the axes; `origin` is
+//! the lower left corner of the picture's lower left pixel, so the picture's last row has the
+//! least y.
 //!
 //! | `mode` | a cell is free when |
 //! |---|---|
-//! | `trinary` (default), `scale` | its occupancy is less than `free_thresh`; in `scale`, where it is opaque as well |
+//! | `trinary` (default), `scale` | its occupancy is less than `free_thresh`; in `scale`, only if it is opaque |
 //! | `raw` | its shade (of 255, whatever `negate` says) is a percentage less than `free_thresh` |
 //!
 //! Occupancy is `(255 - shade) / 255`, with `negate` `shade / 255`, where shade is the mean
-//! of red, green and blue, and in `trinary` of alpha as well where there is one. Pictures
-//! with 16 bits are not rounded to 8 first.
+//! of red, green and blue, in `trinary` also of alpha, if any. Pictures with 16 bits are not
+//! rounded to 8 first.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -29,15 +29,15 @@ mod scene;
 pub use scene::read_scene;
 
 use description::Description;
-use frame::Frame;
-use grid::Grid;
+use frame::MapFrame;
+use grid::OccupancyGrid;
 
-/// The greatest number of cells that is read, 8192 x 8192: bounds the memory while reading to
-/// 0.6 GB for the worst kind of picture (16 bits, with alpha), 0.13 GB for grey ones.
+/// The most cells of a map, 8192 x 8192. This bounds memory while reading to 0.6 GB for the
+/// largest kind of picture (16 bits, with alpha), 0.13 GB for grey ones.
 pub const MOST_CELLS: u64 = 1 << 26;
 
-/// The greatest number of boxes that a map's solids may need. Walls of a whole building
-/// need thousands; a map that needs more than this is noise.
+/// The most boxes of a map's solids. The walls of a whole building need thousands; a map that
+/// needs more than this is noise.
 pub const MOST_BOXES: usize = 1 << 20;
 
 /// Why a map can't be used.
@@ -46,44 +46,45 @@ pub const MOST_BOXES: usize = 1 << 20;
 pub enum MapError {
     #[error("can't read {}: {cause}", path.display())]
     Read { path: PathBuf, cause: io::Error },
-    #[error("{}: not YAML: {cause}", path.display())]
+    #[error("{}: invalid YAML: {cause}", path.display())]
     NotYaml { path: PathBuf, cause: String },
     #[error("{}: {field} is missing", path.display())]
     Missing { path: PathBuf, field: &'static str },
     #[error("{}: {field} must be {expected}, not {has}", path.display())]
     Field { path: PathBuf, field: &'static str, expected: &'static str, has: String },
     #[error(
-        "{}: free_thresh is {free}, greater than occupied_thresh, {occupied}",
+        "{}: free_thresh {free} must not exceed occupied_thresh {occupied}",
         path.display()
     )]
     Thresholds { path: PathBuf, free: f64, occupied: f64 },
     #[error(
-        "{}: origin: the map is turned by a yaw of {yaw} rad; the sides of free space are \
-         parallel to the axes, so the yaw must be 0",
+        "{}: origin has a yaw of {yaw} rad, but it must be 0: cells must be parallel to the axes",
         path.display()
     )]
     Turned { path: PathBuf, yaw: f64 },
     #[error(
-        "{}: origin: cells of {resolution} m can't be told apart as far out as {farthest} m",
+        "{}: cells of {resolution} m are too small at the coordinate {farthest} m: their corners \
+         round to the same number; move the origin closer to 0",
         path.display()
     )]
     TooFarOut { path: PathBuf, resolution: f64, farthest: f64 },
-    #[error("{}: not a PNG or PGM picture that can be read: {cause}", path.display())]
+    #[error("{}: not a readable PNG or PGM picture: {cause}", path.display())]
     Picture { path: PathBuf, cause: image::ImageError },
-    #[error("{}: the picture has {width} x {height} cells", path.display())]
+    #[error("{}: the picture has {width} x {height} cells, but needs at least 1 x 1", path.display())]
     NoCells { path: PathBuf, width: u32, height: u32 },
     #[error(
-        "{}: the picture has {width} x {height} = {has} cells, at most {most} are read",
+        "{}: the picture has {width} x {height} = {has} cells, but at most {most} are allowed",
         path.display()
     )]
     TooManyCells { path: PathBuf, width: u32, height: u32, has: u64, most: u64 },
     #[error(
-        "{}: the map's solids need {has} boxes, at most {most} are sent; is it noise?",
+        "{}: the map's solids need {has} boxes, but at most {most} are allowed; is the map noise?",
         path.display()
     )]
     TooManyBoxes { path: PathBuf, has: usize, most: usize },
     #[error(
-        "{}: none of the picture's {cells} cells is free; free_thresh is {free}",
+        "{}: none of the picture's {cells} cells is free: no occupancy is less than free_thresh, \
+         {free}",
         path.display()
     )]
     NothingFree { path: PathBuf, cells: usize, free: f64 },
@@ -92,16 +93,15 @@ pub enum MapError {
 /// Reads a map's YAML and the picture it names (relative to the YAML).
 ///
 /// The solids are boxes that don't overlap and together are exactly the cells that aren't
-/// free, the bounds are the picture's. The same index of a cell's side always gives the
-/// same coordinate, `origin + index * resolution` rounded once, so boxes that touch
-/// do so exactly.
+/// free; the bounds are the picture's. A cell's side at an index always has the same
+/// coordinate, `origin + index * resolution` rounded once, so boxes that touch do so exactly.
 pub fn read(path: &Path) -> Result<FreeSpace, MapError> {
     let text = fs::read_to_string(path)
         .map_err(|cause| MapError::Read { path: path.to_owned(), cause })?;
     let description = Description::read(path, &text)?;
-    let grid = Grid::read(path, &description)?;
+    let grid = OccupancyGrid::read(path, &description)?;
     let (width, height) = (grid.width, grid.height);
-    let frame = Frame::new(path, &description, width, height)?;
+    let frame = MapFrame::new(path, &description, width, height)?;
     let mut boxes = boxes::Boxes::of(grid);
     let mut solids = Vec::new();
     solids.extend(boxes.by_ref().take(MOST_BOXES).map(|cells| frame.solid(&cells)));
@@ -112,6 +112,6 @@ pub fn read(path: &Path) -> Result<FreeSpace, MapError> {
             return Err(MapError::TooManyBoxes { path: path.to_owned(), has, most });
         }
     }
-    let bounds = frame.place(&boxes::Cells { x: [0, width], y: [0, height] });
+    let bounds = frame.place(&boxes::CellRange { x: [0, width], y: [0, height] });
     Ok(FreeSpace { channels: None, in_order: false, solids: Some(solids), bounds: Some(bounds) })
 }

@@ -97,7 +97,7 @@ fn neighbours_meet_exactly() {
     }
 }
 
-/// What reading a map with this YAML and picture is refused with, the folder left out.
+/// The error of reading a map with this YAML and picture, and its message without the folder.
 fn refusal(yaml: &str, picture: &[u8]) -> (MapError, String) {
     let (folder, path) = folder(yaml, picture);
     let error = map::read(&path).unwrap_err();
@@ -110,20 +110,22 @@ fn errors_name_the_file_and_both_numbers() {
     let (_, message) = refusal(YAML, b"P5\n8193 8192\n255\n");
     assert_eq!(
         message,
-        "maps/floor.pgm: the picture has 8193 x 8192 = 67117056 cells, at most 67108864 are read"
+        "maps/floor.pgm: the picture has 8193 x 8192 = 67117056 cells, but at most 67108864 are \
+         allowed"
     );
     let (_, message) = refusal(YAML, b"P5\n0 4\n255\n");
-    assert_eq!(message, "maps/floor.pgm: the picture has 0 x 4 cells");
+    assert_eq!(message, "maps/floor.pgm: the picture has 0 x 4 cells, but needs at least 1 x 1");
     let (_, message) = refusal(YAML, b"P2\n3 1\n255\n0 100 191\n");
     assert_eq!(
         message,
-        "maps/floor.yaml: none of the picture's 3 cells is free; free_thresh is 0.25"
+        "maps/floor.yaml: none of the picture's 3 cells is free: no occupancy is less than \
+         free_thresh, 0.25"
     );
     let (_, message) = refusal(&YAML.replace("10, -4", "10, 1e16"), b"P2\n1 1\n1\n1\n");
     assert_eq!(
         message,
-        "maps/floor.yaml: origin: cells of 0.5 m can't be told apart as far out as \
-         10000000000000000 m"
+        "maps/floor.yaml: cells of 0.5 m are too small at the coordinate 10000000000000000 m: \
+         their corners round to the same number; move the origin closer to 0"
     );
     let (_, message) = refusal(&YAML.replace("resolution: 0.5", "resolution: 0"), b"");
     assert_eq!(
@@ -133,7 +135,7 @@ fn errors_name_the_file_and_both_numbers() {
 }
 
 #[test]
-fn pictures_that_are_none_are_refused() {
+fn unreadable_pictures_are_refused() {
     for picture in [&b""[..], b"GIF89a", b"P5\n4 4\n255\nshort", b"P2\n2 1\n255\n0 256\n"] {
         let (error, message) = refusal(YAML, picture);
         assert!(matches!(error, MapError::Picture { .. }), "{message}");
@@ -179,7 +181,7 @@ fn the_map_is_the_free_space_of_every_scene() {
     let replies = replies(command.write_stdin(format!("{line}\n\n{line}\n")));
     let ids: Vec<_> = replies.iter().map(|reply| reply["id"].as_u64()).collect();
     assert_eq!(ids, [Some(14), Some(10), Some(13), Some(13)]);
-    // The scene that has channels already.
+    // That scene has channels.
     assert_eq!(replies[1]["error"]["field"], "free_space");
     for index in [0, 2, 3] {
         assert_eq!(replies[index]["trajectories"].as_array().unwrap().len(), 3);
@@ -188,14 +190,14 @@ fn the_map_is_the_free_space_of_every_scene() {
 }
 
 #[test]
-fn without_a_map_the_free_space_is_missed() {
+fn without_a_map_the_free_space_is_missing() {
     let replies = replies(&mut plan(&["drive-office.json"]));
     let message = replies[0]["error"]["message"].as_str().unwrap();
     assert!(message.contains("free_space is missing"), "{message}");
 }
 
 #[test]
-fn a_map_that_can_not_be_read_ends_the_call() {
+fn an_unreadable_map_ends_the_program() {
     let output = plan(&["--map", "drive-a.json", "drive-office.json"]).output().unwrap();
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
     let message = String::from_utf8(output.stderr).unwrap();

@@ -1,5 +1,4 @@
-//! Logs all of a planner's traffic to MCAP: the loop between the planner's tap and
-//! the file.
+//! The recorder: a loop that writes a planner's traffic to an MCAP file.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -14,9 +13,9 @@ pub struct Settings {
     pub output: PathBuf,
     /// The planner's domain.
     pub domain: Domain,
-    /// Whether an existing file is replaced.
+    /// Whether to replace an existing file.
     pub overwrite: bool,
-    /// When to stop by itself.
+    /// How long to record; `None`: until a signal.
     pub duration: Option<Duration>,
     /// How much may be lost if the recorder is killed.
     pub flush: Duration,
@@ -24,24 +23,24 @@ pub struct Settings {
     pub wait: Duration,
 }
 
-/// How long the recorder sleeps when nothing is there: the tap's buffer holds far more
-/// than comes meanwhile.
+/// How long the recorder sleeps when there is nothing to record. The tap's buffer holds far
+/// more messages than arrive meanwhile.
 const IDLE: Duration = Duration::from_millis(1);
 
-/// Why there is no (complete) recording.
+/// Why there is no recording, or an incomplete one.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// No planner to listen to.
+    /// The planner's tap could not be connected to.
     #[error(transparent)]
     Connect(#[from] ConnectError),
-    /// The file takes no more.
+    /// The file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
 
-/// Records until a signal comes or the time is up, then finishes the file.
+/// Records until a signal asks to end or the time is up, then finishes the file.
 pub fn run(settings: &Settings) -> Result<Summary, Failure> {
-    // Whoever came alone leaves nothing behind.
+    // Alone in the domain, it leaves nothing behind.
     let mut tap = connect(settings).inspect_err(|_| settings.domain.tidy())?;
     let mut writer = Writer::create(&settings.output, Options { overwrite: settings.overwrite })?;
     tracing::info!(output = %settings.output.display(), "recording");
@@ -49,7 +48,7 @@ pub fn run(settings: &Settings) -> Result<Summary, Failure> {
     let mut flushed = Instant::now();
     loop {
         let mut idle = true;
-        // Asked before looking, so that what came before the signal is taken.
+        // Asked before receiving, so that messages sent before the signal are recorded.
         let stop = tap.terminated() || settings.duration.is_some_and(|d| begin.elapsed() >= d);
         while let Some(event) = tap.receive() {
             idle = false;
@@ -94,19 +93,19 @@ fn record(writer: &mut Writer, event: TapEvent) -> Result<(), WriteError> {
         TapEvent::Message(TapMessage::Request(request)) => writer.write_request(&request, log_ns),
         TapEvent::Message(TapMessage::Reply(part)) => writer.write_reply(&part, log_ns),
         TapEvent::Lost { messages } => {
-            tracing::warn!(messages, "lost: they came too fast");
+            tracing::warn!(messages, "messages lost: they came too fast");
             writer.lost(messages);
             Ok(())
         }
         TapEvent::Restarted => {
-            tracing::warn!("another planner took over");
+            tracing::warn!("the planner was restarted");
             Ok(())
         }
     };
     match written {
-        // Counted as lost by the writer; the others go on.
+        // The writer counts it as lost; recording goes on.
         Err(error @ WriteError::TooLarge { .. }) => {
-            tracing::warn!(%error, "lost");
+            tracing::warn!(%error, "message lost");
             Ok(())
         }
         done => done,

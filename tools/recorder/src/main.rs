@@ -12,8 +12,8 @@ use program::{Diagnostics, Exit, PrintError};
 use recorder::Settings;
 use recording::{FLUSH_INTERVAL, Summary};
 
-/// Logs all requests and replies of a planner to an MCAP file until told to stop
-/// (SIGINT, SIGTERM, SIGHUP), then finishes the file.
+/// Records all requests and replies of a planner to an MCAP file until a signal (SIGINT,
+/// SIGTERM or SIGHUP) asks it to end; then finishes the file
 #[derive(Parser)]
 #[command(
     name = "recorder",
@@ -23,10 +23,11 @@ Examples:
   recorder -o run.mcap
   recorder -o run.mcap --for 60s --flush 100ms
 
-If the recorder is killed, the file holds everything up to the last flush; `replay recover`
-finishes it. Messages that came too fast are counted, reported and written to the file.
+If the recorder is killed, the file has everything up to the last flush; `replay recover`
+finishes it. Messages that came too fast are counted; the count is printed and written to the
+file.
 
-Diagnostics go to stderr, the summary to stdout.
+The summary goes to stdout, diagnostics to stderr; RUST_LOG chooses them (RUST_LOG=debug).
 Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost."
 )]
 struct Arguments {
@@ -39,13 +40,13 @@ struct Arguments {
     /// Replace an existing file
     #[arg(long)]
     overwrite: bool,
-    /// Stop after this time
+    /// End after this time [default: at a signal]
     #[arg(long = "for", value_name = "TIME", value_parser = humantime::parse_duration)]
     duration: Option<Duration>,
-    /// How much may be lost if the recorder is killed [default: 250ms]
+    /// How often to flush: as much is lost if the recorder is killed [default: 250ms]
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     flush: Option<Duration>,
-    /// How long to wait for a planner to come up
+    /// How long to wait for a planner to start
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "10s")]
     wait: Duration,
 }

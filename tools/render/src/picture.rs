@@ -1,9 +1,8 @@
-//! A scene and its answers as a picture (SVG), for papers, readmes and reports.
+//! A scene and its answers as an SVG picture, for papers, readmes and reports.
 //!
-//! Assembly tasks are seen in (x, z), driving in (x, y), and what has three dimensions along
-//! each axis. Several answers stand side by side at one scale. The same scene and reply
-//! give the same bytes; pictures need neither scripts nor style sheets nor fonts of their own,
-//! and stay below [`MOST_BYTES`] however large the scene is.
+//! Assembly tasks are drawn in (x, z), driving in (x, y), three dimensions along each axis.
+//! Several answers are drawn side by side at one scale. Equal scenes and replies give equal
+//! bytes. Pictures use no scripts, style sheets or fonts, and never exceed [`MOST_BYTES`].
 
 mod assembly;
 mod caption;
@@ -21,31 +20,31 @@ use std::fmt::Write;
 
 use schemas::message::{Direction, Refusal, Reply, SceneRequest, Task, Trajectory};
 
-use caption::{Line, Sign};
+use caption::{CaptionLine, Sign};
 use free_space::Mouth;
-use motion::Motion;
+use motion::Course;
 use plot::Plot;
 use text::{Escaped, Px};
 use world::{Extent, Mover, Point, World};
 
-/// No picture is larger.
+/// The size of the largest picture.
 pub const MOST_BYTES: usize = 2_000_000;
 
-/// Answers that are drawn; of more, these many from the first to the last.
+/// Answers that are drawn; of more, this many, spread evenly.
 const MOST_PANELS: usize = 9;
-/// Between the panels and around all, pixels.
+/// Space between panels and around them, pixels.
 const SPACE: f64 = 22.0;
 const LINE: f64 = 17.0;
 const HEAD: f64 = 52.0;
 
 /// What one panel shows.
 struct Panel<'a> {
-    /// Of the answer; none where the whole request is refused.
+    /// The answer's index; `None` if the whole request is refused.
     index: Option<usize>,
     content: Result<&'a Trajectory, &'a Refusal>,
 }
 
-/// Draws a scene with the reply to it.
+/// Draws a scene and the reply to it.
 pub fn draw(scene: &SceneRequest, reply: &Reply) -> String {
     let panels = panels(reply);
     let world = World::of(scene);
@@ -73,7 +72,7 @@ pub fn draw(scene: &SceneRequest, reply: &Reply) -> String {
             caption::refused(scene, index.map(|index| (index, answers)), refusal, panel_width)
         }
     };
-    let captions: Vec<Vec<Line>> = panels.iter().map(caption).collect();
+    let captions: Vec<Vec<CaptionLine>> = panels.iter().map(caption).collect();
 
     let mut body = String::new();
     let mut backgrounds: Vec<(String, String)> = Vec::new();
@@ -120,14 +119,14 @@ fn panels(reply: &Reply) -> Vec<Panel<'_>> {
     }
 }
 
-/// What all panels show: everything that stands still, and the body wherever it goes.
+/// What all panels show: everything at rest, and the body wherever it goes.
 fn region(scene: &SceneRequest, world: &World, panels: &[Panel]) -> [Point; 2] {
     let mut extent: Extent = world.extent();
     for answer in panels.iter().filter_map(|panel| panel.content.ok()) {
         for corners in &world.channels_of(Some(answer)) {
             corners.iter().for_each(|corner| extent.add(*corner));
         }
-        let motion = Motion::of(answer);
+        let motion = Course::of(answer);
         match &world.mover {
             Mover::Part(shape) => {
                 let mut reach = Extent::default();
@@ -169,7 +168,7 @@ struct Views<'a> {
     scene: &'a SceneRequest,
     world: &'a World,
     plots: &'a [Plot],
-    /// Room that the numbers of an upward axis take, pixels.
+    /// Room for the numbers of an upward axis, pixels.
     numbers: f64,
     upright: bool,
     plot_height: f64,
@@ -191,7 +190,7 @@ impl Views<'_> {
         for (index, plot) in self.plots.iter().enumerate() {
             let y = self.plot_height - plot.height;
             _ = write!(out, r#"<g transform="translate({} {})">"#, Px(x), Px(y));
-            // A nested svg element cuts off what reaches beyond it.
+            // A nested svg element clips what reaches beyond it.
             let (w, h) = (Px(plot.width), Px(plot.height));
             _ = write!(out, r#"<svg class="view" width="{w}" height="{h}">"#);
             let id = background(backgrounds, free_space::draw(plot, world, &channels, mouth));
@@ -211,7 +210,7 @@ impl Views<'_> {
     }
 }
 
-/// Where the channels open, if they do (docs/interface.md: `exit`).
+/// The channels' mouth, if they have one (docs/interface.md: `exit`).
 fn mouth(
     scene: &SceneRequest,
     world: &World,
@@ -232,8 +231,8 @@ fn mouth(
     Some(Mouth { axis, up, at: if up { at } else { -at } })
 }
 
-/// The name of a background, which is the same for the same one in any picture, so that
-/// pictures can stand on one page.
+/// The name of a background: equal for equal backgrounds in all pictures, so that several
+/// pictures can share a page.
 fn background(backgrounds: &mut Vec<(String, String)>, markup: String) -> String {
     if let Some((id, _)) = backgrounds.iter().find(|(_, known)| *known == markup) {
         return id.clone();
@@ -246,7 +245,7 @@ fn background(backgrounds: &mut Vec<(String, String)>, markup: String) -> String
     id
 }
 
-fn caption_line(out: &mut String, y: f64, line: &Line) {
+fn caption_line(out: &mut String, y: f64, line: &CaptionLine) {
     let (size, weight) = if line.bold { (13, "bold") } else { (12, "normal") };
     let color = line.color;
     _ = write!(out, r#"<g font-size="{size}" font-weight="{weight}" fill="{color}">"#);
@@ -254,7 +253,7 @@ fn caption_line(out: &mut String, y: f64, line: &Line) {
     out.push_str("</g>");
 }
 
-/// Draws the legend below `y`; gives where the picture ends.
+/// Draws the legend below `y`; returns where the picture ends.
 fn legend(out: &mut String, signs: &[(Sign, &str)], width: f64, y: f64) -> f64 {
     let (mut x, mut y) = (SPACE, y + 4.0);
     _ = write!(out, r#"<g class="legend" font-size="11" fill="{}">"#, style::SUBTLE);
@@ -277,7 +276,7 @@ fn legend(out: &mut String, signs: &[(Sign, &str)], width: f64, y: f64) -> f64 {
     y + 20.0
 }
 
-/// A sign, 20 pixels wide about the height 0.
+/// A sign, 20 pixels wide, centred on height 0.
 fn picture_of(sign: Sign) -> String {
     let (blue, green, ink, alert) = (style::BODY, style::GOAL, style::PATH, style::ALERT);
     let square = |look: String| format!(r#"<rect x="3" y="-6" width="14" height="12" {look}/>"#);

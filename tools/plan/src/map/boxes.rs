@@ -1,15 +1,15 @@
 //! Few large boxes instead of many cells.
 
-use super::grid::Grid;
+use super::grid::OccupancyGrid;
 
 /// A rectangle of cells: from the first index to before the second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Cells {
+pub(super) struct CellRange {
     pub(super) x: [usize; 2],
     pub(super) y: [usize; 2],
 }
 
-impl Cells {
+impl CellRange {
     fn area(&self) -> usize {
         (self.x[1] - self.x[0]) * (self.y[1] - self.y[0])
     }
@@ -17,20 +17,20 @@ impl Cells {
 
 /// Disjoint rectangles that together are a grid's solid cells.
 ///
-/// Greedy: the lowest cell left, of these the leftmost, is the lower left corner of the
-/// next rectangle, which grows as far as solid cells that are left go: first to the right
-/// and then up, or first up and then to the right, whichever gives more (the
-/// former if neither does). Every cell is looked at a few times at most.
+/// Greedy: the lowest, then leftmost remaining cell is the lower left corner of the next
+/// rectangle. It grows over remaining cells either first right, then up, or first up, then
+/// right, whichever covers more (if equal, the former). Every cell is visited a few times at
+/// most.
 pub(super) struct Boxes {
-    /// What is left.
-    grid: Grid,
-    /// Cells before this one are not left.
+    /// The remaining cells.
+    grid: OccupancyGrid,
+    /// No cell before this index remains.
     from: usize,
 }
 
 impl Boxes {
     /// The rectangles of a grid.
-    pub(super) fn of(grid: Grid) -> Self {
+    pub(super) fn of(grid: OccupancyGrid) -> Self {
         Self { grid, from: 0 }
     }
 
@@ -46,26 +46,26 @@ impl Boxes {
         (from..to).all(|y| self.grid.solid[y * self.grid.width + x])
     }
 
-    fn right_then_up(&self, x: usize, y: usize) -> Cells {
+    fn right_then_up(&self, x: usize, y: usize) -> CellRange {
         let row = self.row(y, [x, self.grid.width]);
         let length = row.iter().position(|solid| !solid).unwrap_or(row.len());
         let columns = [x, x + length];
         let top = (y + 1..self.grid.height).find(|above| !self.row_left(*above, columns));
-        Cells { x: columns, y: [y, top.unwrap_or(self.grid.height)] }
+        CellRange { x: columns, y: [y, top.unwrap_or(self.grid.height)] }
     }
 
-    fn up_then_right(&self, x: usize, y: usize) -> Cells {
+    fn up_then_right(&self, x: usize, y: usize) -> CellRange {
         let top = (y + 1..self.grid.height).find(|above| !self.row_left(*above, [x, x + 1]));
         let rows = [y, top.unwrap_or(self.grid.height)];
         let right = (x + 1..self.grid.width).find(|beside| !self.column_left(*beside, rows));
-        Cells { x: [x, right.unwrap_or(self.grid.width)], y: rows }
+        CellRange { x: [x, right.unwrap_or(self.grid.width)], y: rows }
     }
 }
 
 impl Iterator for Boxes {
-    type Item = Cells;
+    type Item = CellRange;
 
-    fn next(&mut self) -> Option<Cells> {
+    fn next(&mut self) -> Option<CellRange> {
         let ahead = self.grid.solid[self.from..].iter().position(|solid| *solid)?;
         self.from += ahead;
         let (x, y) = (self.from % self.grid.width, self.from / self.grid.width);
@@ -85,10 +85,10 @@ mod tests {
     use super::*;
 
     /// Drawn as people see it, the last row has the least y.
-    fn grid(rows: &[&str]) -> Grid {
+    fn grid(rows: &[&str]) -> OccupancyGrid {
         let solid =
             rows.iter().rev().flat_map(|row| row.bytes().map(|cell| cell == b'#')).collect();
-        Grid { width: rows[0].len(), height: rows.len(), solid }
+        OccupancyGrid { width: rows[0].len(), height: rows.len(), solid }
     }
 
     #[track_caller]
@@ -122,11 +122,11 @@ mod tests {
         );
     }
 
-    fn grids() -> impl Strategy<Value = Grid> {
+    fn grids() -> impl Strategy<Value = OccupancyGrid> {
         let sizes = (1usize..24, 1usize..24, 0.0..1.0);
         sizes.prop_flat_map(|(width, height, density)| {
             let cells = prop::collection::vec(prop::bool::weighted(density), width * height);
-            cells.prop_map(move |solid| Grid { width, height, solid })
+            cells.prop_map(move |solid| OccupancyGrid { width, height, solid })
         })
     }
 

@@ -6,11 +6,10 @@ use saphyr::{LoadableYamlNode, Yaml};
 
 use super::MapError;
 
-/// What a map's YAML says. Fields that the map server does not know are none of our
-/// business either: other tools keep theirs in the same file.
+/// A map's YAML. Unknown fields are ignored: other tools keep theirs in the same file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Description {
-    /// The picture, relative to the YAML's folder already.
+    /// The picture; a relative path starts at the YAML's folder.
     pub(super) image: PathBuf,
     /// The side of a cell, metres.
     pub(super) resolution: f64,
@@ -31,20 +30,20 @@ pub(super) struct Description {
 pub(super) enum Mode {
     /// Free, occupied, or unknown.
     Trinary,
-    /// The same with shades between; transparent is unknown.
+    /// The same with shades in between; transparent is unknown.
     Scale,
-    /// The shade is the percentage.
+    /// The shade is a percentage.
     Raw,
 }
 
 impl Description {
-    /// Reads the YAML that is in `path`.
+    /// Reads the YAML `text` of the file `path`.
     pub(super) fn read(path: &Path, text: &str) -> Result<Self, MapError> {
         let not_yaml = |cause| MapError::NotYaml { path: path.to_owned(), cause };
         let documents = Yaml::load_from_str(text).map_err(|error| not_yaml(error.to_string()))?;
         let fields = match documents.as_slice() {
-            [one] if one.is_mapping() => Fields { path, document: one },
-            [_] => return Err(not_yaml("not a list of fields with values".to_owned())),
+            [one] if one.is_mapping() => YamlFields { path, document: one },
+            [_] => return Err(not_yaml("expected fields with values".to_owned())),
             _ => return Err(not_yaml(format!("{} documents instead of one", documents.len()))),
         };
         let image = fields.get("image")?;
@@ -68,12 +67,12 @@ impl Description {
     }
 }
 
-struct Fields<'a> {
+struct YamlFields<'a> {
     path: &'a Path,
     document: &'a Yaml<'a>,
 }
 
-impl<'a> Fields<'a> {
+impl<'a> YamlFields<'a> {
     fn get(&self, field: &'static str) -> Result<&'a Yaml<'a>, MapError> {
         self.document
             .as_mapping_get(field)
@@ -204,7 +203,7 @@ mod tests {
         check("0.65", "1.5", "occupied_thresh must be a number from 0 to 1, not 1.5");
         check("0.196", ".nan", "free_thresh must be a number from 0 to 1, not NaN");
         check("0.196", "low", "free_thresh must be a number from 0 to 1, not \"low\"");
-        check("0.196", "0.7", "free_thresh is 0.7, greater than occupied_thresh, 0.65");
+        check("0.196", "0.7", "free_thresh 0.7 must not exceed occupied_thresh 0.65");
         check(", 0.0]", "]", "origin must be three finite numbers, [x, y, yaw], not [-1, 2.5]");
         check(
             ", 0.0]",
@@ -222,13 +221,12 @@ mod tests {
         check(
             ", 0.0]",
             ", 1.57]",
-            "origin: the map is turned by a yaw of 1.57 rad; the sides of free space are parallel \
-             to the axes, so the yaw must be 0",
+            "origin has a yaw of 1.57 rad, but it must be 0: cells must be parallel to the axes",
         );
     }
 
     #[test]
-    fn what_is_no_map_is_refused() {
+    fn invalid_yaml_is_refused() {
         for text in ["", "image: a\n---\nimage: b\n", "- 1\n", "just words", "image: [", "a: *b"] {
             let error = read(text).unwrap_err();
             assert!(matches!(error, MapError::NotYaml { .. }), "{text:?}: {error}");

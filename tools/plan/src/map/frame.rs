@@ -1,20 +1,20 @@
-//! Where cells are.
+//! Cells in metres.
 
 use std::path::Path;
 
 use schemas::message::{AxisBox, Solid};
 
-use super::boxes::Cells;
+use super::boxes::CellRange;
 use super::{Description, MapError};
 
 /// From indices to metres.
-pub(super) struct Frame {
+pub(super) struct MapFrame {
     origin: [f64; 2],
     resolution: f64,
 }
 
-impl Frame {
-    /// The frame of a map, if its cells all have a width and a height there.
+impl MapFrame {
+    /// The frame of a map, if all its cells have distinct corners in floating point.
     pub(super) fn new(
         path: &Path,
         description: &Description,
@@ -24,7 +24,7 @@ impl Frame {
         let Description { origin, resolution, .. } = *description;
         let frame = Self { origin, resolution };
         for (axis, cells) in [width, height].into_iter().enumerate() {
-            // Neighbouring floats are farthest apart at one end or the other.
+            // Floating-point numbers are sparsest at one end or the other.
             let [first, second] = [0, 1].map(|index| frame.coordinate(axis, index));
             let [before, last] = [cells - 1, cells].map(|index| frame.coordinate(axis, index));
             let apart = first < second && before < last && last.is_finite();
@@ -43,7 +43,7 @@ impl Frame {
     }
 
     /// The box that cells cover.
-    pub(super) fn place(&self, cells: &Cells) -> AxisBox {
+    pub(super) fn place(&self, cells: &CellRange) -> AxisBox {
         let corner = |end: usize| {
             [self.coordinate(0, cells.x[end]), self.coordinate(1, cells.y[end])].into()
         };
@@ -51,7 +51,7 @@ impl Frame {
     }
 
     /// The same, as a solid.
-    pub(super) fn solid(&self, cells: &Cells) -> Solid {
+    pub(super) fn solid(&self, cells: &CellRange) -> Solid {
         Solid::Box(self.place(cells))
     }
 }

@@ -9,15 +9,15 @@ use super::{MOST_CELLS, MapError};
 
 /// The cells of a map, by rows from the least y to the greatest.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct OccupancyGrid {
     pub(super) width: usize,
     pub(super) height: usize,
     /// `width * height`: everything that is not free.
     pub(super) solid: Vec<bool>,
 }
 
-impl Grid {
-    /// Reads a map's picture; `path` is the YAML's, for errors.
+impl OccupancyGrid {
+    /// Reads a map's picture; `path` is the YAML's, for messages.
     pub(super) fn read(path: &Path, description: &Description) -> Result<Self, MapError> {
         let image = &description.image;
         let unreadable = |cause| MapError::Read { path: image.clone(), cause };
@@ -64,7 +64,7 @@ impl Grid {
             DynamicImage::ImageLumaA16(p) => reading.solid(width, p.as_raw(), u16::MAX),
             DynamicImage::ImageRgb16(p) => reading.solid(width, p.as_raw(), u16::MAX),
             DynamicImage::ImageRgba16(p) => reading.solid(width, p.as_raw(), u16::MAX),
-            // Neither PNG nor PNM has others.
+            // PNG and PNM have no others.
             other => {
                 let other = other.to_rgba16();
                 let reading = Reading { channels: 4, alpha: true, description };
@@ -93,7 +93,7 @@ impl Reading<'_> {
         solid
     }
 
-    /// Whether a pixel is free, as the map server's `loadMapFromFile` has it.
+    /// Whether a pixel is free, by the rules of the map server's `loadMapFromFile`.
     fn free<S: Copy + Into<u32>>(&self, pixel: &[S], full: u32) -> bool {
         let sample = |channel: usize| -> u32 { pixel[channel].into() };
         let colours = if self.alpha { self.channels - 1 } else { self.channels };
@@ -153,7 +153,7 @@ mod tests {
     {
         let samples = pixels.iter().flat_map(|(pixel, _)| pixel.channels().to_vec()).collect();
         let picture = ImageBuffer::<P, _>::from_raw(pixels.len() as u32, 1, samples).unwrap();
-        let grid = Grid::of(&picture.into(), description);
+        let grid = OccupancyGrid::of(&picture.into(), description);
         assert_eq!((grid.width, grid.height), (pixels.len(), 1));
         for (cell, (pixel, expected)) in grid.solid.iter().zip(pixels) {
             let found = if *cell { "solid" } else { "free" };

@@ -6,25 +6,25 @@ use schemas::json::{self, UnreadableScene};
 use schemas::message::{FreeSpace, Refusal, SceneRequest, Task};
 use serde::de::IgnoredAny;
 
-/// Reads a `drive` scene that leaves out its free space, which is `map`.
+/// Reads a `drive` scene that has no free space of its own: `map` is its free space.
 pub fn read_scene(text: &str, map: &FreeSpace) -> Result<SceneRequest, UnreadableScene> {
-    // What has no fields is best told so by the reader itself.
+    // The reader itself reports what is not an object.
     let fields = match serde_json::from_str::<BTreeMap<String, IgnoredAny>>(text) {
         Ok(fields) if !fields.is_empty() => fields,
         _ => return json::read_scene(text),
     };
     if fields.contains_key("free_space") {
-        let message = "free_space: the scene has its own and --map gives another; leave one out";
+        let message = "free_space is given by the scene and by --map; leave one out";
         let id = json::read_scene(text).map_or_else(|error| error.id, |scene| scene.id);
         return Err(UnreadableScene { id, refusal: Refusal::invalid("free_space", message) });
     }
-    // At the end, so that errors stay at the lines and columns where people see them.
+    // Appended, so that errors keep their lines and columns.
     let mut text = text.trim_end().to_owned();
     text.pop();
     text.push_str(",\"free_space\":{}}");
     let mut scene = json::read_scene(&text)?;
     if scene.task != Task::Drive {
-        let message = "task: a map is for task \"drive\" only";
+        let message = "task must be \"drive\" with --map";
         return Err(UnreadableScene { id: scene.id, refusal: Refusal::invalid("task", message) });
     }
     scene.free_space = map.clone();
@@ -62,8 +62,8 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_with_free_space_of_its_own_is_refused() {
-        let message = "free_space: the scene has its own and --map gives another; leave one out";
+    fn a_scene_with_its_own_free_space_is_refused() {
+        let message = "free_space is given by the scene and by --map; leave one out";
         for own in ["{}", "null", r#"{"channels": []}"#] {
             let text = SCENE.replacen('{', &format!("{{ \"free_space\": {own},"), 1);
             check(&text, Some(3), "free_space", message);
@@ -73,11 +73,11 @@ mod tests {
     #[test]
     fn an_assembly_scene_is_refused() {
         let text = SCENE.replace("drive", "assemble");
-        check(&text, Some(3), "task", "task: a map is for task \"drive\" only");
+        check(&text, Some(3), "task", "task must be \"drive\" with --map");
     }
 
     #[test]
-    fn errors_are_the_reader_s_and_stay_where_they_are() {
+    fn errors_keep_their_lines_and_columns() {
         for text in ["", "7", "[]", "{", "{}", "{ \"id\": 1, }", "{ \"id\": 1, \"id\": 2 }", "{}{}"]
         {
             let (with, without) = (read_scene(text, &map()), json::read_scene(text));

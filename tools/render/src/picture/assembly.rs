@@ -5,15 +5,15 @@ use std::fmt::Write;
 use schemas::message::Trajectory;
 
 use super::mark;
-use super::motion::Motion;
+use super::motion::Course;
 use super::plot::{Pixel, Plot, distance, ring, simplified};
 use super::style;
 use super::text::Px;
 use super::world::{Point, Shape, point};
 
-/// Vertices of a body that are drawn.
+/// The most vertices of a body that are drawn.
 const MOST_VERTICES: usize = 200;
-/// Outlines at way-points.
+/// The most outlines at way-points.
 const MOST_GHOSTS: usize = 40;
 /// Pixels between the faint outlines on the way.
 const BETWEEN: f64 = 26.0;
@@ -33,7 +33,7 @@ pub(super) fn draw(out: &mut String, plot: &Plot, body: &Shape, answer: Option<&
         out.push_str(r#""/>"#);
     };
     let blue = style::BODY;
-    let motion = answer.map(Motion::of);
+    let motion = answer.map(Course::of);
     if let Some(motion) = &motion {
         let (length, ends) = (motion.length(), motion.ends());
         let between = (BETWEEN / plot.scale).max(length / 24.0);
@@ -88,7 +88,7 @@ pub(super) fn draw(out: &mut String, plot: &Plot, body: &Shape, answer: Option<&
 }
 
 /// Pixels along the path, close enough that no label slips between.
-pub(super) fn along(plot: &Plot, motion: &Motion, offset: Point) -> Vec<Pixel> {
+pub(super) fn along(plot: &Plot, motion: &Course, offset: Point) -> Vec<Pixel> {
     let length = motion.length();
     let count = (length * plot.scale / 8.0).clamp(1.0, 400.0) as usize;
     let at = |step: usize| motion.placement(length * step as f64 / count as f64);
@@ -111,7 +111,7 @@ pub(super) fn rim(outline: &[Pixel]) -> Vec<Pixel> {
 }
 
 /// A dot per way-point, as far as they can be told apart; and where the dots are.
-pub(super) fn dots(out: &mut String, plot: &Plot, motion: &Motion, offset: Point) -> Vec<Pixel> {
+pub(super) fn dots(out: &mut String, plot: &Plot, motion: &Course, offset: Point) -> Vec<Pixel> {
     let color = style::PATH;
     _ = write!(out, r##"<g class="dots" fill="{color}" stroke="#fff" stroke-width="0.8">"##);
     let mut drawn: Vec<Pixel> = Vec::new();
@@ -135,8 +135,8 @@ pub(super) fn thinned<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
     all.iter().enumerate().filter(kept).map(|(_, item)| item)
 }
 
-/// Which way the path is run through.
-fn arrow(out: &mut String, plot: &Plot, motion: &Motion, offset: Point) {
+/// An arrow in the direction of travel.
+fn arrow(out: &mut String, plot: &Plot, motion: &Course, offset: Point) {
     let Some((from, to)) = motion.longest_line() else { return };
     let [from, to] = [from, to].map(|p| plot.pixel(std::array::from_fn(|i| p[i] + offset[i])));
     let length = distance(from, to);

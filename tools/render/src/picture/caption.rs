@@ -1,4 +1,4 @@
-//! What stands around the views: title, captions, legend.
+//! Title, captions, legend.
 
 use schemas::message::{
     Body, Choice, ClearanceWish, Gap, Refusal, Reply, SceneRequest, Task, Trajectory,
@@ -8,13 +8,13 @@ use super::style;
 use super::text::{significant, wrap};
 
 /// A line of a caption.
-pub(super) struct Line {
+pub(super) struct CaptionLine {
     pub(super) text: String,
     pub(super) color: &'static str,
     pub(super) bold: bool,
 }
 
-impl Line {
+impl CaptionLine {
     fn plain(text: String) -> Self {
         Self { text, color: style::INK, bold: false }
     }
@@ -23,7 +23,7 @@ impl Line {
 /// Size of captions, pixels.
 pub(super) const SIZE: f64 = 12.0;
 
-/// What is planned, and what is said beside it in grey.
+/// The title, and the grey text beside it.
 pub(super) fn title(scene: &SceneRequest, reply: &Reply, shown: usize) -> (String, String) {
     let task = match scene.task {
         Task::Disassemble => "Disassembly",
@@ -68,7 +68,7 @@ fn extents(vertices: &[schemas::message::Vector]) -> Option<Vec<f64>> {
     (!vertices.is_empty()).then(|| vec![side(0), side(1)])
 }
 
-/// "a) ", where there are several answers.
+/// "a) ", if there are several answers.
 fn letter(index: usize, answers: usize) -> String {
     match (answers, u8::try_from(index)) {
         (0 | 1, _) => String::new(),
@@ -77,7 +77,7 @@ fn letter(index: usize, answers: usize) -> String {
     }
 }
 
-/// The gap that was wished for.
+/// The gap asked for.
 fn wish(scene: &SceneRequest, index: usize) -> String {
     let gap = |gap: &Gap| match gap {
         Gap::Uniform(gap) => format!("gap {} m", significant(*gap)),
@@ -102,7 +102,7 @@ fn wish(scene: &SceneRequest, index: usize) -> String {
     }
 }
 
-/// The gaps that were used, where the wish does not say them.
+/// The gaps used, unless the request names them.
 fn used(scene: &SceneRequest, index: usize, gaps: &[f64]) -> Option<String> {
     let said = match &scene.clearance {
         ClearanceWish::Gap(_) => true,
@@ -123,16 +123,16 @@ pub(super) fn answered(
     (index, answers): (usize, usize),
     answer: &Trajectory,
     room: f64,
-) -> Vec<Line> {
+) -> Vec<CaptionLine> {
     let mut head = letter(index, answers) + &wish(scene, index);
     head += &used(scene, index, &answer.gaps).unwrap_or_default();
     let clearance = match answer.clearance.value {
-        value if value.is_finite() => Line {
+        value if value.is_finite() => CaptionLine {
             text: format!("clearance {} m", significant(value)),
             color: style::ALERT,
             bold: false,
         },
-        _ => Line::plain("no walls".to_owned()),
+        _ => CaptionLine::plain("no walls".to_owned()),
     };
     let exit = answer.exit.map(|exit| format!("  \u{b7}  out along {exit}"));
     let measures = format!(
@@ -142,13 +142,17 @@ pub(super) fn answered(
         exit.unwrap_or_default()
     );
     let mut lines = heads(&head, style::INK, room);
-    lines.extend(wrap(&measures, SIZE, room, 3).into_iter().map(Line::plain));
+    lines.extend(wrap(&measures, SIZE, room, 3).into_iter().map(CaptionLine::plain));
     lines.push(clearance);
-    lines.extend(by_leg(answer).map(|text| Line { text, color: style::SUBTLE, bold: false }));
+    lines.extend(by_leg(answer).map(|text| CaptionLine {
+        text,
+        color: style::SUBTLE,
+        bold: false,
+    }));
     lines
 }
 
-/// The clearance of each leg, where they are few and differ.
+/// The clearance of each leg, if they are few and differ.
 fn by_leg(answer: &Trajectory) -> Option<String> {
     let values: Vec<String> = answer.legs.iter().map(|leg| significant(leg.clearance)).collect();
     let few = (2..=4).contains(&values.len());
@@ -156,18 +160,18 @@ fn by_leg(answer: &Trajectory) -> Option<String> {
     (few && differ).then(|| format!("by leg {} m", values.join(", ")))
 }
 
-fn heads(text: &str, color: &'static str, room: f64) -> Vec<Line> {
-    let line = |text| Line { text, color, bold: true };
+fn heads(text: &str, color: &'static str, room: f64) -> Vec<CaptionLine> {
+    let line = |text| CaptionLine { text, color, bold: true };
     wrap(text, SIZE * 1.06, room, 3).into_iter().map(line).collect()
 }
 
-/// Why there is no answer; without an index, to the whole request.
+/// Why there is no answer; without `place`, to the whole request.
 pub(super) fn refused(
     scene: &SceneRequest,
     place: Option<(usize, usize)>,
     refusal: &Refusal,
     room: f64,
-) -> Vec<Line> {
+) -> Vec<CaptionLine> {
     let code = refusal.code.name().replace('_', " ");
     let head = match place {
         Some((index, answers)) => {
@@ -176,7 +180,7 @@ pub(super) fn refused(
         None => format!("No path: {code}"),
     };
     let mut lines = heads(&head, style::ALERT, room);
-    lines.extend(wrap(&refusal.message, SIZE, room, 12).into_iter().map(Line::plain));
+    lines.extend(wrap(&refusal.message, SIZE, room, 12).into_iter().map(CaptionLine::plain));
     lines
 }
 

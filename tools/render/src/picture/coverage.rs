@@ -1,15 +1,15 @@
-//! Very many outlines as few rectangles: what they cover together, pixel by pixel.
+//! The area that very many outlines cover, as few rectangles, pixel by pixel.
 
 use std::fmt::Write;
 
 use super::plot::Pixel;
 use super::text::Px;
 
-/// More rectangles than this are never made; the pixels grow instead.
+/// The most rectangles; the pixels grow instead.
 const MOST: usize = 2500;
 
 /// Which cells of a grid are covered.
-struct Grid {
+struct Raster {
     cell: f64,
     columns: usize,
     rows: usize,
@@ -17,12 +17,12 @@ struct Grid {
     change: Vec<i32>,
 }
 
-/// Path data of the area that the outlines cover. With `thin`, what is narrower than a
-/// pixel still shows.
+/// Path data of the area that the outlines cover. With `thin`, even what is narrower than a
+/// pixel is visible.
 pub(super) fn covered(rings: &[Vec<Pixel>], width: f64, height: f64, thin: bool) -> String {
     let mut cell = 1.0;
     loop {
-        let mut grid = Grid::new(width, height, cell);
+        let mut grid = Raster::new(width, height, cell);
         let mut crossings = vec![Vec::new(); grid.rows];
         for ring in rings {
             grid.fill(ring, &mut crossings);
@@ -42,7 +42,7 @@ pub(super) fn covered(rings: &[Vec<Pixel>], width: f64, height: f64, thin: bool)
     }
 }
 
-impl Grid {
+impl Raster {
     fn new(width: f64, height: f64, cell: f64) -> Self {
         let count = |length: f64| (length / cell).ceil().clamp(1.0, 2000.0) as usize;
         let (columns, rows) = (count(width), count(height));

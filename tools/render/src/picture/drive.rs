@@ -6,13 +6,13 @@ use schemas::message::{Curve, SceneRequest, Trajectory};
 
 use super::assembly::{along, dots, rim, thinned};
 use super::mark;
-use super::motion::{Motion, Placement};
+use super::motion::{Course, Placement};
 use super::plot::{Pixel, Plot, ring};
 use super::style;
 use super::text::Px;
 use super::world::{Point, point};
 
-/// Guiding circles that are drawn.
+/// The most guiding circles that are drawn.
 const MOST_CIRCLES: usize = 120;
 
 /// The robot at the start, at the goal and on the way.
@@ -23,7 +23,7 @@ pub(super) fn draw(
     scene: &SceneRequest,
     answer: Option<&Trajectory>,
 ) {
-    let motion = answer.map(Motion::of);
+    let motion = answer.map(Course::of);
     let rectangle = |out: &mut String, placement: &Placement, tick: bool| {
         out.push_str(r#"<path d=""#);
         let corners = corners(placement, width, length);
@@ -56,7 +56,7 @@ pub(super) fn draw(
         }
         out.push_str("</g>");
     }
-    let way_points = motion.as_ref().map(Motion::way_points).unwrap_or_default();
+    let way_points = motion.as_ref().map(Course::way_points).unwrap_or_default();
     let start = scene
         .start
         .map(|pose| Placement { position: point(&pose.position), heading: tame(pose.heading) });
@@ -111,8 +111,8 @@ fn tame(heading: f64) -> f64 {
     if heading.is_finite() { heading } else { 0.0 }
 }
 
-/// The guiding circles, dashed, with the corners that they are about.
-fn circles(out: &mut String, plot: &Plot, motion: &Motion) {
+/// The guiding circles, dashed, and the corners at their centres.
+fn circles(out: &mut String, plot: &Plot, motion: &Course) {
     let grey = style::SUBTLE;
     _ = write!(
         out,
@@ -138,7 +138,7 @@ fn circles(out: &mut String, plot: &Plot, motion: &Motion) {
     out.push_str("</g>");
 }
 
-/// Ahead on the left, behind on the left, behind on the right, ahead on the right.
+/// Front left, rear left, rear right, front right.
 fn corners(placement: &Placement, width: f64, length: f64) -> [Point; 4] {
     let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
     let [x, y, _] = placement.position;
@@ -160,7 +160,7 @@ fn nearest(placement: &Placement, width: f64, length: f64, target: Point) -> Poi
 
 /// Arc lengths at which the robot is shown between the ends of legs: on lines about every
 /// length of the robot, on arcs closer.
-fn between(motion: &Motion, length: f64) -> Vec<f64> {
+fn between(motion: &Course, length: f64) -> Vec<f64> {
     let least = motion.length() / 80.0;
     let mut places = Vec::new();
     let mut begin = 0.0;
@@ -177,8 +177,8 @@ fn between(motion: &Motion, length: f64) -> Vec<f64> {
     places
 }
 
-/// The corners of the robot wherever it certainly stands.
-pub(super) fn reach(motion: &Motion, width: f64, length: f64) -> Vec<Point> {
+/// The corners of the robot at the poses it certainly reaches.
+pub(super) fn reach(motion: &Course, width: f64, length: f64) -> Vec<Point> {
     let way_points = motion.way_points();
     way_points.iter().flat_map(|placement| corners(placement, width, length)).collect()
 }

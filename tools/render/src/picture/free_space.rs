@@ -1,4 +1,4 @@
-//! Walls, channels and junctions: what stands still in a view.
+//! Walls, channels and junctions: everything at rest in a view.
 
 use std::fmt::Write;
 
@@ -8,14 +8,14 @@ use super::style;
 use super::text::Px;
 use super::world::{Point, Shape, World};
 
-/// With more vertices than this, only the area that is covered is drawn.
+/// With more vertices than this, only the covered area is drawn.
 const MOST_VERTICES: usize = 6000;
-/// Up to so many solids each has an edge.
+/// With more solids than this, none has an edge.
 const FEW_SOLIDS: usize = 60;
 /// With more junctions than this, none are tinted.
 const MOST_JUNCTIONS: usize = 300;
 
-/// What is free beyond the channels: everything on one side of a plane.
+/// The free space beyond the channels: everything on one side of a plane.
 #[derive(Clone, Copy)]
 pub(super) struct Mouth {
     pub(super) axis: usize,
@@ -53,7 +53,7 @@ pub(super) fn draw(
         area(&mut out, plot, &carved, r##"fill="#fff""##, false);
     }
     if !solids.is_empty() {
-        // The edges of very many solids would be all that is seen of them.
+        // The edges of very many solids would hide them.
         let few = solids.len() <= FEW_SOLIDS;
         let (wall, edge) = match few {
             true => (style::WALL, style::WALL_EDGE),
@@ -106,7 +106,7 @@ fn fits(outlines: &[Vec<Pixel>]) -> bool {
     outlines.iter().map(Vec::len).sum::<usize>() <= MOST_VERTICES
 }
 
-/// Outlines as they are, or where there are too many the area that they cover.
+/// Outlines as they are, or the area that they cover if there are too many.
 fn area(out: &mut String, plot: &Plot, outlines: &[Vec<Pixel>], look: &str, thin: bool) {
     if fits(outlines) {
         out.push_str(r#"<path d=""#);

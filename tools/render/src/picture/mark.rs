@@ -1,4 +1,4 @@
-//! The place of least clearance, and labels that find room beside it.
+//! The least clearance, and labels that find room beside it.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use super::style;
 use super::text::{self, Px};
 use super::world::Point;
 
-/// Joins the wall's point and the body's that are closest, and writes how close they are.
+/// Joins the closest points of wall and body and labels their distance.
 /// The label avoids `busy` points.
 pub(super) fn clearance(
     out: &mut String,
@@ -50,7 +50,7 @@ pub(super) fn clearance(
 }
 
 /// The middle of the base line for a label of this width near a point: within the plot and
-/// over as little as can be had.
+/// over as few marks as possible.
 fn room(plot: &Plot, near: Pixel, width: f64, busy: &[Pixel]) -> Pixel {
     const HEIGHT: f64 = 11.0;
     let half = width / 2.0;
@@ -60,7 +60,7 @@ fn room(plot: &Plot, near: Pixel, width: f64, busy: &[Pixel]) -> Pixel {
         {
             let x = near[0] + f64::from(right) * (half + away);
             let y = near[1] + f64::from(down) * (HEIGHT / 2.0 + away) + HEIGHT * 0.36;
-            // Pushed back into the plot, as far as it has room at all.
+            // Kept within the plot if it fits.
             let x = x.min(plot.width - half - 3.0).max(half + 3.0);
             let y = y.min(plot.height - 4.0).max(HEIGHT + 3.0);
             let under = |p: &&Pixel| {

@@ -1,4 +1,4 @@
-//! A trajectory as a curve: where the body is, and which way it looks, at an arc length.
+//! A trajectory as a curve: the body's position and heading at an arc length.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,21 +7,21 @@ use schemas::message::{Curve, Trajectory, Vector};
 use super::world::{Point, point};
 
 /// The curves of a motion with their lengths.
-pub(super) struct Motion {
+pub(super) struct Course {
     curves: Vec<(Curve, f64)>,
 }
 
-/// Where the reference point is (for assembly tasks the displacement), and the heading.
+/// The reference point's position (in assembly tasks, the displacement), and the heading.
 #[derive(Clone, Copy)]
 pub(super) struct Placement {
     pub(super) position: Point,
     pub(super) heading: f64,
 }
 
-/// More samples than this are not drawn, where there are no legs.
+/// The most samples that are drawn if there are no legs.
 const MOST_SAMPLES: usize = 2000;
 
-impl Motion {
+impl Course {
     pub(super) fn of(answer: &Trajectory) -> Self {
         if !answer.legs.is_empty() {
             let curves = answer.legs.iter().map(|leg| (leg.curve, finite(leg.length).max(0.0)));
@@ -61,7 +61,7 @@ impl Motion {
         self.curves.iter().scan(0.0, sum).collect()
     }
 
-    /// Where the body is after so many metres.
+    /// Where the body is at this arc length.
     pub(super) fn placement(&self, at_length: f64) -> Option<Placement> {
         let mut left = finite(at_length).max(0.0);
         for (curve, length) in &self.curves {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use schemas::message::Curve;
 
-use super::motion::{self, Motion};
+use super::motion::{self, Course};
 use super::style;
 use super::text::{self, Escaped, Px};
 use super::world::Point;
@@ -105,9 +105,9 @@ impl Plot {
     }
 
     /// The path of the reference point, moved by `offset`: lines and true arcs.
-    pub(super) fn path(&self, out: &mut String, motion: &Motion, offset: Point) {
+    pub(super) fn path(&self, out: &mut String, motion: &Course, offset: Point) {
         let mut fine = 0.25;
-        // What can't be told apart is left out, more and more until little enough remains.
+        // Details too small to see are left out, more and more until few enough remain.
         let path = loop {
             if let Some(path) = self.path_data(motion, offset, fine) {
                 break path;
@@ -121,8 +121,8 @@ impl Plot {
         );
     }
 
-    /// None: there would be too many commands.
-    fn path_data(&self, motion: &Motion, offset: Point, fine: f64) -> Option<String> {
+    /// `None` if it takes too many commands.
+    fn path_data(&self, motion: &Course, offset: Point, fine: f64) -> Option<String> {
         let place = |p: Point| self.pixel(std::array::from_fn(|i| p[i] + offset[i]));
         let (mut data, mut commands) = (String::new(), 0);
         let mut pen: Option<Pixel> = None;
@@ -154,7 +154,7 @@ impl Plot {
                         _ = write!(data, "L{} {}", Px(from[0]), Px(from[1]));
                     }
                     let [radius, sweep] = [radius * self.scale, *sweep];
-                    // More than half a circle is drawn in pieces, of which none is doubtful.
+                    // More than half a circle is drawn in pieces: an SVG arc would be ambiguous.
                     let pieces = (sweep.abs().min(TAU) / 3.0).ceil().max(1.0) as usize;
                     for piece in 1..=pieces {
                         let to = place(motion::along(curve, piece as f64 / pieces as f64));

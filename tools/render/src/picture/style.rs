@@ -1,4 +1,4 @@
-//! Colours: Okabe and Ito's, which can be told apart by the colour-blind, on greys.
+//! Colours: Okabe and Ito's, which are distinct to the colour-blind, on greys.
 
 /// Keeps text readable over whatever is below; drawn before the text itself.
 pub(super) const HALO: &str = r##"stroke="#fff" stroke-width="3" stroke-linejoin="round""##;
@@ -11,7 +11,7 @@ pub(super) const CHANNEL_EDGE: &str = "#8c959f";
 pub(super) const JUNCTION: &str = "#e69f00";
 /// What moves.
 pub(super) const BODY: &str = "#0072b2";
-/// The inside of what moves, where it stands at rest.
+/// The inside of what moves, at rest.
 pub(super) const BODY_FILL: &str = "#8fc0df";
 pub(super) const PATH: &str = "#1f2328";
 /// Where driving ends.

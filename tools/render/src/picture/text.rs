@@ -1,4 +1,4 @@
-//! Numbers and words as they stand in a picture.
+//! Numbers and text in a picture.
 
 use std::fmt::{self, Write};
 
@@ -28,7 +28,7 @@ impl fmt::Display for Escaped<'_> {
                 '"' => f.write_str("&quot;")?,
                 '\'' => f.write_str("&#39;")?,
                 '\t' | '\n' | '\r' => f.write_char(' ')?,
-                // XML 1.0 has no form for these.
+                // XML 1.0 can't express these.
                 '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => f.write_char('\u{fffd}')?,
                 _ => f.write_char(character)?,
             }
@@ -37,7 +37,7 @@ impl fmt::Display for Escaped<'_> {
     }
 }
 
-/// A number with up to four significant digits, trailing zeros left out.
+/// A number with up to four significant digits and no trailing zeros.
 pub(super) fn significant(value: f64) -> String {
     if !value.is_finite() {
         return "unbounded".to_owned();
@@ -58,7 +58,7 @@ pub(super) fn significant(value: f64) -> String {
     (if text == "-0" { "0" } else { text }).to_owned()
 }
 
-/// About how wide text is, pixels; on the safe side for the usual sans-serif fonts.
+/// The approximate width of a text, pixels; an upper bound for common sans-serif fonts.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let of = |character: char| match character {
         'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | ';' | '|' | '(' | ')' => 0.38,

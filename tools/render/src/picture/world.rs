@@ -1,4 +1,4 @@
-//! What stands in a scene, in metres, made safe to draw.
+//! The contents of a scene in metres, safe to draw.
 
 use schemas::message::{AxisBox, Body, Direction, SceneRequest, Solid, Task, Trajectory, Vector};
 
@@ -36,7 +36,7 @@ pub(super) struct World {
     pub(super) mover: Mover,
 }
 
-/// Coordinates that can be subtracted and scaled without leaving the numbers.
+/// Coordinates that can be subtracted and scaled without overflow.
 fn tame(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-1e100, 1e100) }
 }
@@ -139,7 +139,7 @@ impl World {
         }
     }
 
-    /// All that stands still.
+    /// Everything at rest.
     pub(super) fn extent(&self) -> Extent {
         let mut extent = Extent::default();
         let still = [0.0; 3];
@@ -172,7 +172,7 @@ pub(super) fn junctions(
         [min, max]
     };
     let mut junctions: Vec<[Point; 2]> = travelled.windows(2).map(common).collect();
-    // A junction that is none keeps its place, so that the others keep their numbers.
+    // Channels that don't overlap still count, so that junctions keep their numbers.
     for [min, max] in &mut junctions {
         if (0..dimension).any(|i| min[i] > max[i]) {
             *max = *min;
@@ -181,7 +181,7 @@ pub(super) fn junctions(
     junctions
 }
 
-/// Which coordinate a direction is along, and whether towards greater ones.
+/// The coordinate a direction runs along, and whether it increases.
 pub(super) fn axis(direction: Direction, dimension: usize) -> Option<(usize, bool)> {
     let flat = dimension == 2;
     match direction {
@@ -218,7 +218,7 @@ impl Extent {
         let farthest = min.iter().chain(&max).fold(0.0, |most: f64, c| most.max(c.abs()));
         let longest = sides().fold(0.0, f64::max).max(farthest * 1e-12).max(1e-100);
         for i in 0..dimension {
-            // Slivers are given a little room.
+            // Slivers get a little room.
             let margin = (longest * part).max((longest * 0.25 - (max[i] - min[i])) / 2.0);
             (min[i], max[i]) = (min[i] - margin, max[i] + margin);
         }
