@@ -204,6 +204,14 @@ impl Reader {
         }
     }
 
+    /// Reads parts of a macro, which do not live as long as the file.
+    fn read_within(&mut self, items: &[Item]) {
+        let mut within = Reader { module: Module::default() };
+        items.iter().for_each(|item| within.visit_item(item));
+        self.module.types.append(&mut within.module.types);
+        self.module.named.append(&mut within.module.named);
+    }
+
     fn import(&mut self, span: Span, path: &[String], name: Option<String>) {
         self.module.named.push((line(span), path.to_vec()));
         if let Some(name) = name.or_else(|| path.last().cloned()) {
@@ -241,6 +249,13 @@ impl<'ast> Visit<'ast> for Reader {
             Item::Fn(item) => &item.attrs,
             Item::Use(item) => &item.attrs,
             Item::Const(item) => &item.attrs,
+            // Items that a macro only adds to.
+            Item::Macro(item) => {
+                if let Ok(within) = item.mac.parse_body::<syn::File>() {
+                    self.read_within(&within.items);
+                }
+                return;
+            }
             _ => return visit::visit_item(self, item),
         };
         if !is_test(attributes) {
