@@ -25,7 +25,7 @@ const NUMBERS: [u64; 16] = [
     f64::MAX.to_bits(),
 ];
 
-/// The same, and what is none, in text.
+/// The same, including invalid text.
 const WORDS: [&str; 20] = [
     "0",
     "-0.0",

@@ -243,7 +243,7 @@ impl<'a, const D: usize> AssemblyJob<'a, D> {
                         }
                     }
                     Err(refused) if refused.is_final() => return Err(refused),
-                    // It doesn't matter if another will do.
+                    // Ignored if another exit works.
                     Err(_) => first_refused = first_refused.min(at),
                 }
             }

@@ -30,7 +30,7 @@ pub struct Caps {
     pub channels: usize,
     /// Boxes looked at to make channels from solids. Bounds time: 10 to 100 ns each. 2^26.
     pub channel_steps: usize,
-    /// Junctions of all channels, where a route is sought through them. Bounds memory: 16 bytes
+    /// Junctions of all channels, when a route is searched through them. Bounds memory: 16 bytes
     /// each, and more while the route is sought. 2^22.
     pub junctions: usize,
     /// Pairs of junctions looked at for one route. Bounds time and memory. 2^24.

@@ -41,7 +41,7 @@ pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
             return Err(Refusal::invalid("free_space", message));
         }
         if free_space.in_order {
-            let message = "free_space.in_order is about channels, and there are none";
+            let message = "free_space.in_order is set, but there are no channels";
             return Err(Refusal::invalid("free_space.in_order", message));
         }
     }

@@ -8,7 +8,7 @@ pub enum StopReason {
     /// The request's deadline has passed: what is not answered yet is refused as
     /// `deadline_exceeded`.
     Deadline,
-    /// Nobody is there to take the reply. The sink says so when the next part is written.
+    /// The client has left. The sink reports it when the next part is written.
     ClientLeft,
     /// The process ends: what is not answered yet is refused as `overloaded`.
     Shutdown,

@@ -50,7 +50,7 @@ fn usual_numbers_make_a_route() {
 }
 
 #[test]
-fn gaps_that_are_none_are_refused() {
+fn non_finite_gaps_are_refused() {
     for scene in scenes(40.0) {
         for gap in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, 0.0, -0.1] {
             for clearance in [

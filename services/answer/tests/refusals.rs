@@ -1,4 +1,4 @@
-//! What is said where there is no route: what would open one, and by how much it is too small.
+//! Refusals when there is no route: what would open one, and by how much it is too small.
 
 use answer::{Caps, reply_to};
 use schemas::json::read_scene;

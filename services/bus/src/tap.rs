@@ -149,7 +149,7 @@ pub enum TapEvent {
         /// How many bus messages.
         messages: u64,
     },
-    /// Another planner took over and numbers its messages anew. The last messages of the
+    /// Another planner took over and restarts its message numbers. The last messages of the
     /// old one may be lost.
     Restarted,
 }

@@ -136,7 +136,7 @@ impl fmt::Display for Checked {
 }
 
 /// Plans the requests of the recording at `path` again with `plan` and compares the replies
-/// with those recorded. `progress` is told how many bytes have been read.
+/// with those recorded. `progress` receives the number of bytes read.
 pub fn check(
     path: &Path,
     tolerance: Tolerance,

@@ -5,3 +5,4 @@
 //! geometry, recordings or JSON.
 
 pub mod service;
+mod watchdog;

@@ -1,12 +1,16 @@
 //! The service loop: take a request, answer it, wait.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Duration;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use answer::{CacheStats, StopFlag, Workspace};
 use bus::{Incoming, ReplyOptions, Server, ServerOptions, Wait, Woken};
 use configuration::{Config, WaitFor};
 use schemas::message::{ErrorCode, Refusal};
+use schemas::wire::{RequestHeader, given};
+
+use crate::watchdog::Watchdog;
 
 /// After this many requests without a pause the loop looks for signals.
 const WITHOUT_PAUSE: u32 = 64;
@@ -27,8 +31,14 @@ pub struct Served {
 
 /// Serves until a signal asks it to end.
 pub fn serve(server: &mut Server, config: &Config) -> Served {
-    let workspace = workspace(config);
-    let mut memory = Memory { config, cells: Vec::new(), workspace };
+    let workspace = new_workspace(config);
+    let mut memory = Memory {
+        config,
+        cells: Vec::new(),
+        workspace,
+        stop: Arc::default(),
+        watchdog: Watchdog::start(bus::terminated),
+    };
     let mut served = Served::default();
     loop {
         let mut without_pause = 0;
@@ -45,7 +55,7 @@ pub fn serve(server: &mut Server, config: &Config) -> Served {
     }
 }
 
-fn workspace(config: &Config) -> Workspace {
+fn new_workspace(config: &Config) -> Workspace {
     Workspace::new(config.caps, config.cache)
 }
 
@@ -53,6 +63,19 @@ struct Memory<'a> {
     config: &'a Config,
     cells: Vec<u64>,
     workspace: Workspace,
+    /// Of the request in hand, and of the next as long as it is not set.
+    stop: Arc<StopFlag>,
+    watchdog: Watchdog,
+}
+
+/// When a request that has just arrived is to be answered. What is no possible deadline is
+/// refused when the request is read.
+fn deadline(header: &RequestHeader) -> Option<Instant> {
+    if header.given & given::DEADLINE == 0 {
+        return None;
+    }
+    let left = Duration::try_from_secs_f64(header.deadline).ok()?;
+    Instant::now().checked_add(left)
 }
 
 impl Memory<'_> {
@@ -69,15 +92,18 @@ impl Memory<'_> {
         let sent = if let Err(refusal) = readable {
             Workspace::refuse(&header, &refusal, &mut sink)
         } else {
-            let stop = StopFlag::new();
-            // A defect in planning must not take the service with it.
-            let answered = catch_unwind(AssertUnwindSafe(|| {
-                self.workspace.answer(&header, &self.cells, &stop, &mut sink)
-            }));
+            if self.stop.reason().is_some() {
+                self.stop = Arc::default();
+            }
+            let Self { workspace, cells, stop, watchdog, .. } = self;
+            let answered = watchdog.watch(stop, deadline(&header), |stop| {
+                // A defect in planning must not take the service with it.
+                catch_unwind(AssertUnwindSafe(|| workspace.answer(&header, cells, stop, &mut sink)))
+            });
             answered.unwrap_or_else(|_| {
-                self.workspace = workspace(self.config);
-                let message = "the planner has a defect that this request brings out; it \
-                               answers others, please report this one";
+                self.workspace = new_workspace(self.config);
+                let message = "internal error while planning this request; please report it \
+                               (other requests are served)";
                 let refusal = Refusal::new(ErrorCode::Internal, message);
                 Workspace::refuse(&header, &refusal, &mut sink)
             })

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
 
-/// What is counted, each against a limit of its own.
+/// What is counted; each has its own limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Cap {
     /// Steps of any kind, all answers to the request together.
@@ -180,7 +180,7 @@ impl Drop for Held<'_> {
     }
 }
 
-/// The stop flag is looked at once in so many steps.
+/// Steps between two looks at the stop flag.
 const STEPS_PER_LOOK: u64 = 1 << 10;
 
 impl Default for Budget<'_> {
@@ -232,7 +232,7 @@ impl<'a> Budget<'a> {
         self.step(count)
     }
 
-    /// Begins to count one kind anew: its limit is for a part of the request.
+    /// Resets one counter: its limit applies to a part of the request.
     pub fn restart(&self, cap: Cap) {
         self.drawn[cap as usize].set(0);
     }
@@ -264,7 +264,7 @@ impl<'a> Budget<'a> {
         if count as u64 <= most { Ok(()) } else { Err(Spent::Limit { cap, most }) }
     }
 
-    /// Runs `run` and tells what it drew. Where its result is used again, as from a cache,
+    /// Runs `run` and returns what it drew. Where its result is used again, as from a cache,
     /// [`Budget::repeat`] draws the same, so that a reply does not depend on what was kept.
     pub fn measure<T>(&self, run: impl FnOnce() -> T) -> (T, Cost) {
         let [steps, held] = [Cap::Steps, Cap::Bytes].map(|cap| self.drawn(cap));
@@ -281,7 +281,7 @@ impl<'a> Budget<'a> {
     }
 
     /// Draws what was measured. Draws nothing and returns false where that is more than is
-    /// left: to be cut short at the same place as without the result, make it anew.
+    /// left: to be cut short at the same place as without the result, make it again.
     pub fn repeat(&self, cost: &Cost) -> bool {
         let [steps, held] = [Cap::Steps, Cap::Bytes].map(|cap| &self.drawn[cap as usize]);
         let all_steps = steps.get().saturating_add(cost.steps);

@@ -31,12 +31,12 @@ fn chain<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn 
     std::iter::successors(Some(error), |error: &&'a (dyn Error + 'static)| (*error).source())
 }
 
-/// Tells stderr what ended the program: the error and its sources, in one line.
+/// Prints to stderr what ended the program: the error and its sources, in one line.
 pub fn report(program: &str, error: &(dyn Error + 'static)) {
     warn(format_args!("{program}: {}", Chain(error)));
 }
 
-/// Tells stderr something in a line of its own. If nobody listens, nothing happens.
+/// Prints a line to stderr. A closed stderr is ignored.
 pub fn warn(text: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{text}");
 }

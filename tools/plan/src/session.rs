@@ -218,7 +218,7 @@ impl Session<'_> {
     }
 }
 
-/// Tells stderr of refusals, for which rows of samples have no room.
+/// Prints refusals to stderr: rows of samples have no room for them.
 fn warn_of_refusals(name: &str, reply: &Reply) {
     let id = reply.id.map_or(String::new(), |id| format!(" (id {id})"));
     match &reply.answers {

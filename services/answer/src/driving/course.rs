@@ -25,7 +25,7 @@ pub(super) struct Course {
     /// The gap at every corner of the answer at hand, metres.
     pub(super) gaps: Vec<f64>,
     pub(super) path: DrivingPath,
-    /// The safest gap, once it is sought, metres.
+    /// The safest gap, once found, metres.
     safest: Option<f64>,
 }
 

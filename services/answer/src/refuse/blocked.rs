@@ -1,4 +1,4 @@
-//! What stands in the way between solids.
+//! What blocks the way between solids.
 
 use std::fmt;
 

@@ -130,7 +130,7 @@ pub(crate) fn route(axes: &Axes, field: String, error: RouteError) -> Refused {
         }
         RouteError::GapPerJunction { has } => {
             let message = format!(
-                "{field} has {}, one per junction, but the route is not known beforehand; give one \
+                "{field} has {}, one per junction, but the route is not known yet; give one \
                  gap for all junctions, or the channels in travel order (`in_order`)",
                 Count(has, "gap")
             );

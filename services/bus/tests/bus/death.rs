@@ -103,7 +103,7 @@ fn a_call_waits_for_a_planner_that_does_not_answer_until_its_limit() {
 }
 
 #[test]
-fn a_planner_started_anew_answers_the_call() {
+fn a_restarted_planner_answers_the_call() {
     let test = TestDomain::new();
     let planner = Process::start("planner that answers nothing", &test);
     let client = connect(&test.domain, Wait::Event);

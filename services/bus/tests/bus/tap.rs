@@ -146,7 +146,7 @@ fn the_heartbeat_shows_a_loss_at_the_end() {
 }
 
 #[test]
-fn a_planner_started_anew_is_seen() {
+fn a_restarted_planner_is_seen() {
     let test = TestDomain::new();
     let planner = Process::start("planner", &test);
     let client = connect(&test.domain, Wait::Event);

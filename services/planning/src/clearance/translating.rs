@@ -13,7 +13,7 @@ use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg};
 
-/// An edge of the body against a wall takes as long as so many looks at a wall.
+/// Cost of measuring an edge of the body against a wall, in looks at a wall.
 const STEPS_PER_EDGE: u64 = 2;
 
 /// The moving body in its assembled state.

@@ -13,7 +13,7 @@ use crate::budget::{Budget, Spent};
 /// Children of a node; leaves hold as many boxes.
 const FAN: usize = 8;
 
-/// Indexing a box takes about as long as so many looks at one.
+/// Cost of indexing a box, in looks at a box.
 const STEPS_PER_BOX: u64 = 4;
 
 /// Least and greatest corner, metres; may be flat.
@@ -53,7 +53,7 @@ impl<const D: usize> BoxTree<D> {
         order + levels + self.nodes.capacity() * size_of::<Bounds<D>>()
     }
 
-    /// The memory that so many boxes take, bytes.
+    /// Memory for this many boxes, bytes.
     pub(crate) fn bytes_for(count: usize) -> usize {
         // A seventh more nodes than leaves.
         let nodes = count.saturating_add(count / 7);

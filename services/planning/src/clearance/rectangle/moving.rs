@@ -32,7 +32,7 @@ pub(super) struct Moving {
     half_diagonal: f64,
 }
 
-/// A part of the way takes as long as so many looks at a wall.
+/// Cost of measuring a part of the way, in looks at a wall.
 const STEPS_PER_PART: u64 = 8;
 
 /// The body at one moment, with what the bounds need.

@@ -1,4 +1,4 @@
-//! What is said of the way between solids.
+//! Refusals when solids block the way.
 
 use super::*;
 

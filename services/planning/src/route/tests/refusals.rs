@@ -1,4 +1,4 @@
-//! What is said where there is no route.
+//! Refusals when there is no route.
 
 use super::*;
 use crate::budget::Allowance;
