@@ -3,7 +3,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use schemas::convert::{self, CellWriter, PartSink, TrajectoryWriter};
-use schemas::message::{AxisBox, RequestKey, SceneRequest};
+use schemas::message::{AxisBox, Reply, RequestKey, SceneRequest, Trajectory};
 use schemas::wire::{self, PART_CELLS, ReplyHeader, Sample};
 use schemas::{codec, json};
 
@@ -39,6 +39,36 @@ fn write_section_4_to_memory(bencher: Bencher) {
 #[divan::bench]
 fn read_section_4_from_json(bencher: Bencher) {
     bencher.bench(|| json::read_scene(divan::black_box(SECTION_4)));
+}
+
+const CHANNELS: usize = 100_000;
+
+#[divan::bench]
+fn read_100_000_channels_from_json(bencher: Bencher) {
+    let channel = |at: usize| {
+        let x = at as f64 * 0.37;
+        format!(r#"{{"min": [{x}, 1], "max": [{}, 6.25]}}"#, x + 2.5)
+    };
+    let channels: Vec<_> = (0..CHANNELS).map(channel).collect();
+    let text = format!(
+        r#"{{"task": "drive", "free_space": {{"channels": [{}]}}, "clearance": "safest",
+            "body": {{"footprint": {{"width": 1, "length": 1.5}}}}}}"#,
+        channels.join(", ")
+    );
+    bencher
+        .counter(ItemsCount::new(CHANNELS))
+        .bench(|| json::read_scene(divan::black_box(&text)).unwrap());
+}
+
+#[divan::bench]
+fn write_1000_samples_as_json(bencher: Bencher) {
+    let sample = |t: u32| Sample { t: f64::from(t) * 0.02, heading: 0.1, ..Sample::default() };
+    let samples = (0..SAMPLES).map(sample).collect();
+    let trajectory = Trajectory { dimension: 2, samples, ..Trajectory::default() };
+    let reply = Reply { key: KEY, id: Some(7), answers: Ok(vec![Ok(trajectory)]) };
+    bencher
+        .counter(ItemsCount::new(SAMPLES))
+        .bench(|| json::reply_to_json(divan::black_box(&reply)));
 }
 
 /// Memory that is always written to the same place.

@@ -263,36 +263,30 @@ struct SamplesJson<'a> {
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "sample"))]
 #[serde(deny_unknown_fields)]
-struct SampleJson {
+struct SampleJson<P = Point> {
     /// Seconds from the start.
     t: f64,
     /// Metres.
-    position: Point,
+    position: P,
     /// Radians counter-clockwise from +x, in (-π, π].
     heading: f64,
     /// m/s.
-    velocity: Point,
+    velocity: P,
     /// rad/s.
     yaw_rate: f64,
-}
-
-impl SampleJson {
-    fn new(sample: &Sample, dimension: usize) -> Self {
-        let Sample { t, position, heading, velocity, yaw_rate } = *sample;
-        let point = |values: [f64; 3]| match dimension {
-            2 => Numbers([values[0], values[1]].into()),
-            0 | 1 => Numbers([values[0]].into()),
-            _ => Numbers(values.into()),
-        };
-        Self { t, position: point(position), heading, velocity: point(velocity), yaw_rate }
-    }
 }
 
 impl Serialize for SamplesJson<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut list = serializer.serialize_seq(Some(self.samples.len()))?;
-        for sample in self.samples.iter() {
-            list.serialize_element(&SampleJson::new(sample, self.dimension))?;
+        for Sample { t, position, heading, velocity, yaw_rate } in self.samples.iter() {
+            list.serialize_element(&SampleJson {
+                t: *t,
+                position: &position[..self.dimension],
+                heading: *heading,
+                velocity: &velocity[..self.dimension],
+                yaw_rate: *yaw_rate,
+            })?;
         }
         list.end()
     }
@@ -313,7 +307,7 @@ impl<'de> Deserialize<'de> for SamplesJson<'_> {
                 let mut samples = Vec::with_capacity(list.size_hint().unwrap_or(0));
                 let mut dimension = None;
                 while let Some(sample) = list.next_element()? {
-                    let SampleJson { t, position, heading, velocity, yaw_rate } = sample;
+                    let SampleJson::<Point> { t, position, heading, velocity, yaw_rate } = sample;
                     for point in [position, velocity] {
                         let found = point.0.dimension();
                         if *dimension.get_or_insert(found) != found {

@@ -196,7 +196,7 @@ pub(super) type Point = Numbers<2>;
 
 impl<const LEAST: usize> Serialize for Numbers<LEAST> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.0.as_slice())
+        self.0.as_slice().serialize(serializer)
     }
 }
 

@@ -32,6 +32,9 @@ pub(super) struct Moving {
     half_diagonal: f64,
 }
 
+/// Distances are rounded by up to this part of the coordinates.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Cost of measuring a part of the way, in looks at a wall.
 const STEPS_PER_PART: u64 = 8;
 
@@ -83,7 +86,10 @@ impl Moving {
         let end = self.placed(wall, 1.0, met);
         let reach = start.ends.iter().chain(&end.ends).map(|end| end.dot(end)).fold(0.0, f64::max);
         let turned = self.turned.abs();
+        let size = self.from.amax().max(wall.from.amax()).max(wall.to.amax());
+        let size = size.max(self.length).max(self.half_diagonal);
         let bend = Bend {
+            bound: TURNING_WHILE_MOVING_BOUND.max(ROUNDING * size),
             corner: self.half_diagonal * turned * turned,
             end: reach.sqrt() * turned * turned + 2.0 * turned * self.length,
         };
@@ -100,7 +106,7 @@ impl Moving {
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
         budget.step(STEPS_PER_PART)?;
-        let enough = met.value - TURNING_WHILE_MOVING_BOUND;
+        let enough = met.value - bend.bound;
         let part = b.progress - a.progress;
         let speed = self.length + self.half_diagonal * self.turned.abs();
         let first_touch_is_known = met.value == 0.0 && met.along <= a.progress;
@@ -152,8 +158,10 @@ impl Moving {
     }
 }
 
-/// Bounds of second derivatives by progress, metres.
+/// The bound of the error, and bounds of second derivatives by progress, metres.
 struct Bend {
+    /// How much less than found a distance may be.
+    bound: f64,
     /// Of the body's corners in the wall's frame.
     corner: f64,
     /// Of the wall's ends in the body's frame.

@@ -1,6 +1,6 @@
 //! Facts about the exact clearance, and a dense recheck that shares no code with it.
 
-use crate::budget::Budget;
+use crate::budget::{Allowance, Budget};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use proptest::prelude::*;
@@ -158,6 +158,29 @@ fn check_curve(footprint: &Footprint, curve: &Curve<2>, walls: &Walls<2>) -> Met
     let there = outline_distance(footprint, (x, y, heading), &place);
     assert!((there - met.value).abs() < 2e-9, "{} at the place, not {}", there, met.value);
     met
+}
+
+/// The bound of the error can't be met where coordinates are farther apart than that.
+#[test]
+fn turning_while_moving_ends_at_any_size() {
+    for (size, offset) in
+        [(1e-9, 0.0), (1.0, 1e6), (1.0, 1e9), (1.0, 1e12), (1e6, 0.0), (1e12, 1e15), (1e100, 0.0)]
+    {
+        let footprint = Footprint::new(size, 1.5 * size).unwrap();
+        let at = |x: f64, y: f64| point(offset + x * size, offset + y * size);
+        let mut walls = Walls::default();
+        walls.push(Wall { from: at(-9.0, 1.5), to: at(20.0, 2.5) });
+        walls.push(Wall { from: at(5.0, -2.0), to: at(5.5, -1.25) });
+        let curve =
+            Curve::Line { from: at(0.0, 0.0), to: at(10.0, 0.5), heading: 0.05, turned: 3.0 };
+        let budget = Budget::new(Allowance { steps: 100_000, ..Allowance::NONE });
+        let near = clearance_rectangle_curve(&footprint, &curve, &walls, &budget);
+        let value = near.map(|near| near.map_or(f64::INFINITY, |near| near.value / size));
+        assert!(
+            value.is_ok_and(|value| (0.0..2.0).contains(&value)),
+            "{size}, {offset}: {value:?}"
+        );
+    }
 }
 
 fn footprints() -> impl Strategy<Value = Footprint> {
