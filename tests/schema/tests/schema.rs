@@ -12,8 +12,6 @@ use jsonschema::Validator;
 use proptest::collection::vec;
 use proptest::option::of;
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::TestRunner;
 use schema_tests::{Change, changes, mutant};
 use schemas::json::{self, schema};
 use schemas::message::{Reply, Request, RequestContent, RequestKey};
@@ -239,77 +237,25 @@ proptest! {
     }
 }
 
-/// The same mutants on every run: of 64 documents, 16 each.
-fn fixed_mutants(
-    documents: impl Strategy<Value = Value>,
-    names: &'static [&'static str],
-) -> Vec<Value> {
-    let mut runner = TestRunner::deterministic();
-    let strategy = mutants(documents, names);
-    let mut all = Vec::new();
-    for _ in 0..64 {
-        let (document, mutants) = strategy.new_tree(&mut runner).unwrap().current();
-        all.extend(mutants.iter().map(|changes| mutant(document.clone(), changes)));
-    }
-    all
-}
-
-/// How many documents a schema judges otherwise than the reader once it is changed: the value at
-/// `place` becomes `changed`.
-fn noticed(
-    schema: &str,
-    documents: &[Value],
-    reads: fn(&str) -> bool,
-    (place, changed): (&str, Value),
-) -> usize {
-    let mut schema: Value = serde_json::from_str(schema).unwrap();
-    *schema.pointer_mut(place).unwrap_or_else(|| panic!("the schema has no {place}")) = changed;
-    let changed = validator(&schema.to_string());
-    let differs =
-        |document: &&Value| reads(&document.to_string()) == refused(&changed, document).is_some();
-    documents.iter().filter(differs).count()
-}
-
-/// The comparison would be worth nothing if it did not notice a wrong schema.
+/// Mutants that are refused are no proof if all are.
 #[test]
-fn wrong_schemas_are_noticed() {
-    let scene = |scene| serde_json::from_str(&json::scene_to_json(&scene)).unwrap();
-    let scenes = strategies::scene(strategies::finite()).prop_map(scene);
-    let scenes = fixed_mutants(scenes, SCENE_NAMES);
-    let reads = |text: &str| json::read_scene(text).is_ok();
-    let valid = scenes.iter().filter(|scene| reads(&scene.to_string())).count();
-    assert!((100..scenes.len() - 100).contains(&valid), "{valid} of {}", scenes.len());
-    for change in [
-        ("/additionalProperties", json!(true)),
-        ("/required", json!(["task"])),
-        ("/properties/deadline/type", json!("number")),
-        ("/properties/id/minimum", json!(-10)),
-        ("/properties/task", json!({ "type": "string" })),
-        ("/$defs/point/maxItems", json!(4)),
-        ("/$defs/box/required", json!(["min"])),
-        ("/$defs/body/oneOf/0/properties/box", json!(false)),
-        ("/$defs/clearance/oneOf/0/properties/gaps", json!(true)),
-    ] {
-        let place = change.0;
-        assert!(noticed(&schema::scene(), &scenes, reads, change) > 0, "{place}");
+fn mutants_are_of_both_kinds() {
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+    let mut runner = TestRunner::deterministic();
+    let strategy = mutants(strategies::scene(strategies::finite()), SCENE_NAMES);
+    let (mut valid, mut invalid) = (0, 0);
+    for _ in 0..64 {
+        let (scene, mutants) = strategy.new_tree(&mut runner).unwrap().current();
+        let document: Value = serde_json::from_str(&json::scene_to_json(&scene)).unwrap();
+        for changes in mutants {
+            match json::read_scene(&mutant(document.clone(), &changes).to_string()) {
+                Ok(_) => valid += 1,
+                Err(_) => invalid += 1,
+            }
+        }
     }
-
-    let reply = |reply| serde_json::from_str(&json::reply_to_json(&reply)).unwrap();
-    let replies = fixed_mutants(any_reply().prop_map(reply), REPLY_NAMES);
-    let reads = |text: &str| match json::read_reply(text) {
-        Ok(_) => true,
-        Err(error) => ONLY_THE_READER.iter().any(|known| error.message.contains(known)),
-    };
-    for change in [
-        ("/oneOf", json!([true])),
-        ("/$defs/distance/type", json!("number")),
-        ("/$defs/leg/oneOf/0/required", json!(["kind"])),
-        ("/$defs/leg/oneOf/1/additionalProperties", json!(true)),
-        ("/$defs/error/properties/axis", json!(true)),
-    ] {
-        let place = change.0;
-        assert!(noticed(&schema::reply(), &replies, reads, change) > 0, "{place}");
-    }
+    assert!(valid > 100 && invalid > 100, "{valid} valid, {invalid} invalid");
 }
 
 /// The scenes in `recordings/scenes`, by file and line; some of them are broken on purpose.
