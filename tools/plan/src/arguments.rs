@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
     /// Plan in this process, without a planner; the replies are the same
     #[arg(long)]
     pub(crate) local: bool,
-    /// The planner's configuration: its [caps] bound what a request may cost; other settings
+    /// The planner's configuration: its table `caps` bounds what a request may cost; other settings
     /// don't change replies
     #[arg(long, value_name = "FILE", requires = "local")]
     pub(crate) config: Option<PathBuf>,

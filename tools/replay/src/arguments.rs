@@ -50,7 +50,7 @@ pub(crate) enum Command {
         paths: Vec<PathBuf>,
         #[command(flatten)]
         compare: Compare,
-        /// Configuration of the planner that was recorded: its [caps] bound what a request may
+        /// Configuration of the planner that was recorded: its table `caps` bounds what a request may
         /// cost; other settings don't change replies
         #[arg(long, value_name = "FILE")]
         config: Option<PathBuf>,
