@@ -75,7 +75,7 @@ pub(crate) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
             (cells.point, cells.to) = (padded(from), padded(to));
             (cells.heading, cells.sweep) = (*heading, *turned);
         }
-        Curve::Arc { center, radius, start_angle, sweep } => {
+        Curve::Arc { center, radius, start_angle, sweep, .. } => {
             cells.kind = 1;
             cells.point = padded(center);
             (cells.radius, cells.start, cells.sweep) = (*radius, *start_angle, *sweep);

@@ -12,7 +12,7 @@ fn main() {
 }
 
 fn leg(curve: Curve<2>) -> Leg<2> {
-    Leg { curve, junction: None, rule: None }
+    Leg { curve, junction: None, rule: None, rung: None }
 }
 
 /// Section 4's path at gap 0.2: three lines with stops.
@@ -37,7 +37,13 @@ fn staircase(corners: usize) -> (Vec<Leg<2>>, Stops) {
         legs.push(leg(Curve::Line { from, to, heading, turned: 0.0 }));
         if corner < corners {
             let (start_angle, sweep) = if up { (PI, -FRAC_PI_2) } else { (-FRAC_PI_2, FRAC_PI_2) };
-            legs.push(leg(Curve::Arc { center: to + across, radius: 1.0, start_angle, sweep }));
+            legs.push(leg(Curve::Arc {
+                center: to + across,
+                radius: 1.0,
+                start_angle,
+                sweep,
+                reverse: false,
+            }));
         }
         from = to + across + along;
     }

@@ -143,7 +143,7 @@ impl<const D: usize> DisassemblyPath<D> {
     pub fn reverse(&mut self) {
         self.legs.reverse();
         for leg in &mut self.legs {
-            leg.curve = leg.curve.reversed().unwrap_or(leg.curve);
+            leg.curve = leg.curve.reversed();
         }
     }
 }
@@ -202,11 +202,16 @@ pub fn disassemble<const D: usize>(
         let gap = if centered { None } else { Some(gap) };
         let (to, rule) = target(junction, (&body.min(), &body.max()), gap, &from);
         let curve = Curve::translation(from, to);
-        path.legs.push(Leg { curve, junction: Some(index), rule: Some(rule) });
+        path.legs.push(Leg { curve, junction: Some(index), rule: Some(rule), rung: None });
         from = to;
     }
     let to = out_of_the_mouth((&body.min(), &body.max()), &mouth, from);
-    path.legs.push(Leg { curve: Curve::translation(from, to), junction: None, rule: None });
+    path.legs.push(Leg {
+        curve: Curve::translation(from, to),
+        junction: None,
+        rule: None,
+        rung: None,
+    });
     path.length = path.legs.iter().map(|leg| leg.curve.length()).sum();
     Ok(())
 }

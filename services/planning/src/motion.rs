@@ -13,6 +13,21 @@ pub struct Rule {
     pub number: u8,
 }
 
+/// How a leg was found: which construction of the driving path it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Rung {
+    /// The taut path of the guiding circles.
+    Taut,
+    /// The taut path with other radii at the corners that block it.
+    Radius,
+    /// Turns in place on the way and straight legs between them.
+    Aligned,
+    /// Legs driven backwards.
+    Reverse,
+    /// The search over a lattice of poses.
+    Lattice,
+}
+
 /// The curve that the body's reference point follows, and how the body turns on it.
 ///
 /// Positions are metres, angles radians counter-clockwise from +x. In assembly
@@ -25,15 +40,22 @@ pub struct Rule {
 ///
 /// // A left turn through a quarter circle of radius 2 m about (0, 2), from the origin.
 /// let center = Vector::from([0.0, 2.0]);
-/// let arc = Curve::Arc { center, radius: 2.0, start_angle: -FRAC_PI_2, sweep: FRAC_PI_2 };
+/// let (start_angle, sweep) = (-FRAC_PI_2, FRAC_PI_2);
+/// let arc = Curve::Arc { center, radius: 2.0, start_angle, sweep, reverse: false };
 /// assert_eq!(arc.length(), 2.0 * FRAC_PI_2);
 /// assert!((arc.start() - Vector::from([0.0, 0.0])).norm() < 1e-15);
 /// assert!((arc.end() - Vector::from([2.0, 2.0])).norm() < 1e-15);
 /// assert_eq!((arc.start_heading(), arc.end_heading()), (0.0, FRAC_PI_2));
+///
+/// // Driven back to the origin, the robot still heads the way it came.
+/// let back = arc.reversed();
+/// assert!(back.is_reverse());
+/// assert_eq!((back.start_heading(), back.end_heading()), (FRAC_PI_2, 0.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve<const D: usize> {
-    /// A straight segment.
+    /// A straight segment, travelled along the heading or, with the heading opposite to the
+    /// direction, backwards.
     Line {
         /// Where it begins.
         from: Vector<D>,
@@ -45,8 +67,8 @@ pub enum Curve<const D: usize> {
         /// paper's turn while moving to the first arriving point.
         turned: f64,
     },
-    /// A part of a guiding circle (equation 5.1), in the first two coordinates,
-    /// the heading tangent to it.
+    /// A part of a guiding circle (equation 5.1), in the first two coordinates, the heading
+    /// tangent to it.
     Arc {
         /// Centre of the circle.
         center: Vector<D>,
@@ -54,8 +76,11 @@ pub enum Curve<const D: usize> {
         radius: f64,
         /// Angle from the centre to the arriving point, in (-pi, pi].
         start_angle: f64,
-        /// Signed angle run through; positive turns left.
+        /// Signed angle run through; positive runs counter-clockwise, and the body turns left.
         sweep: f64,
+        /// Whether it is driven backwards: the heading is then opposite to the direction of
+        /// travel.
+        reverse: bool,
     },
     /// A turn in place.
     Turn {
@@ -104,7 +129,7 @@ impl<const D: usize> Curve<D> {
     pub fn end(&self) -> Vector<D> {
         match *self {
             Self::Line { to, .. } => to,
-            Self::Arc { center, radius, start_angle, sweep } => {
+            Self::Arc { center, radius, start_angle, sweep, .. } => {
                 on_circle(center, radius, start_angle + sweep)
             }
             Self::Turn { position, .. } => position,
@@ -115,7 +140,9 @@ impl<const D: usize> Curve<D> {
     pub fn start_heading(&self) -> f64 {
         match *self {
             Self::Line { heading, turned, .. } => wrapped(heading - turned),
-            Self::Arc { start_angle, sweep, .. } => wrapped(tangent_heading(start_angle, sweep)),
+            Self::Arc { start_angle, sweep, reverse, .. } => {
+                wrapped(heading_on_arc(start_angle, sweep, reverse))
+            }
             Self::Turn { from_heading, .. } => wrapped(from_heading),
         }
     }
@@ -124,15 +151,48 @@ impl<const D: usize> Curve<D> {
     pub fn end_heading(&self) -> f64 {
         match *self {
             Self::Line { heading, .. } => wrapped(heading),
-            Self::Arc { start_angle, sweep, .. } => {
-                wrapped(tangent_heading(start_angle, sweep) + sweep)
+            Self::Arc { start_angle, sweep, reverse, .. } => {
+                wrapped(heading_on_arc(start_angle, sweep, reverse) + sweep)
             }
             Self::Turn { from_heading, sweep, .. } => wrapped(from_heading + sweep),
         }
     }
 
-    /// The same poses in reverse order; `None` for an arc, which a robot only
-    /// follows forwards.
+    /// Whether a robot drives it backwards: on a line, whether the direction of travel is
+    /// more than a quarter turn from the heading (at its start, if it turns on the way).
+    /// A turn in place, and a line too short to have a direction, are not driven backwards.
+    ///
+    /// In assembly tasks, where the heading is not that of travel, this means nothing.
+    ///
+    /// ```
+    /// use planning::geometry::Vector;
+    /// use planning::motion::Curve;
+    ///
+    /// let (from, to) = (Vector::from([0.0, 0.0]), Vector::from([3.0, 0.0]));
+    /// let line = Curve::Line { from, to, heading: 0.0, turned: 0.0 };
+    /// assert!(!line.is_reverse());
+    /// assert!(line.reversed().is_reverse());
+    /// ```
+    pub fn is_reverse(&self) -> bool {
+        match *self {
+            Self::Line { from, to, heading, turned } => {
+                let heading = wrapped(heading - turned);
+                let (x, y) = (to[0] - from[0], to[1] - from[1]);
+                // By quadrants first: most lines need no sine.
+                let (ahead, left) = (heading.abs() <= FRAC_PI_2, heading >= 0.0);
+                if (x >= 0.0) == ahead && (y >= 0.0) == left {
+                    return false;
+                }
+                let (sin, cos) = libm::sincos(heading);
+                x * cos + y * sin < -ROUNDING * from.amax().max(to.amax())
+            }
+            Self::Arc { reverse, .. } => reverse,
+            Self::Turn { .. } => false,
+        }
+    }
+
+    /// The same poses in reverse order: a line or an arc driven forwards becomes one driven
+    /// backwards.
     ///
     /// ```
     /// use planning::geometry::Vector;
@@ -141,25 +201,35 @@ impl<const D: usize> Curve<D> {
     /// let (from, to) = (Vector::from([0.0, 0.0]), Vector::from([3.0, 4.0]));
     /// let line = Curve::Line { from, to, heading: 1.0, turned: 0.5 };
     /// let back = Curve::Line { from: to, to: from, heading: 0.5, turned: -0.5 };
-    /// assert_eq!(line.reversed(), Some(back));
-    /// assert_eq!(back.reversed(), Some(line));
+    /// assert_eq!(line.reversed(), back);
+    /// assert_eq!(back.reversed(), line);
     /// ```
-    pub fn reversed(&self) -> Option<Self> {
+    pub fn reversed(&self) -> Self {
         match *self {
             // Differences, since a sign change would make a negative zero.
-            Self::Line { from, to, turned, .. } => Some(Self::Line {
+            Self::Line { from, to, turned, .. } => Self::Line {
                 from: to,
                 to: from,
                 heading: self.start_heading(),
                 turned: 0.0 - turned,
-            }),
-            Self::Arc { .. } => None,
+            },
+            Self::Arc { center, radius, start_angle, sweep, reverse } => Self::Arc {
+                center,
+                radius,
+                start_angle: wrapped(start_angle + sweep),
+                sweep: 0.0 - sweep,
+                // Without a sweep it is one pose, whose heading the flag decides.
+                reverse: reverse != (sweep != 0.0),
+            },
             Self::Turn { position, sweep, .. } => {
-                Some(Self::Turn { position, from_heading: self.end_heading(), sweep: 0.0 - sweep })
+                Self::Turn { position, from_heading: self.end_heading(), sweep: 0.0 - sweep }
             }
         }
     }
 }
+
+/// A line shorter than this part of its coordinates has no direction.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The point of a circle in the first two coordinates at `angle` from its centre.
 fn on_circle<const D: usize>(center: Vector<D>, radius: f64, angle: f64) -> Vector<D> {
@@ -171,8 +241,10 @@ fn on_circle<const D: usize>(center: Vector<D>, radius: f64, angle: f64) -> Vect
 }
 
 /// The heading at `angle` on a circle that is run around in the sense of `sweep`.
-fn tangent_heading(angle: f64, sweep: f64) -> f64 {
-    angle + Sign::of(sweep).factor() * FRAC_PI_2
+fn heading_on_arc(angle: f64, sweep: f64, reverse: bool) -> f64 {
+    let sense = Sign::of(sweep);
+    let side = if reverse { sense.opposite() } else { sense };
+    angle + side.factor() * FRAC_PI_2
 }
 
 /// One piece of a path.
@@ -185,6 +257,8 @@ pub struct Leg<const D: usize> {
     pub junction: Option<usize>,
     /// The rule that chose where the leg ends; `None` where no rule did.
     pub rule: Option<Rule>,
+    /// How it was found; `None` for channels in travel order and in assembly tasks.
+    pub rung: Option<Rung>,
 }
 
 /// `angle`, radians, reduced to (-pi, pi] and without a negative zero.
@@ -227,10 +301,27 @@ mod tests {
     }
 
     #[test]
+    fn line_lost_in_rounding_is_not_driven_backwards() {
+        let from = Vector::from([1000.0, 1000.0]);
+        let line = |back: f64| Curve::Line {
+            from,
+            to: from - Vector::from([back, 0.0]),
+            heading: 0.0,
+            turned: 0.0,
+        };
+        assert!(!line(5e-13).is_reverse());
+        assert!(line(5e-12).is_reverse());
+    }
+
+    #[test]
     fn reversed_translation_has_no_negative_zero() {
         let back = Curve::translation(Vector::from([1.0]), Vector::from([2.0])).reversed();
-        let Some(Curve::Line { heading, turned, .. }) = back else { panic!("{back:?}") };
+        let Curve::Line { heading, turned, .. } = back else { panic!("{back:?}") };
         assert_eq!((heading.to_bits(), turned.to_bits()), (0, 0));
+    }
+
+    fn any_sweep() -> impl Strategy<Value = f64> {
+        prop_oneof![9 => -TAU..TAU, 1 => Just(0.0)]
     }
 
     fn any_curve() -> impl Strategy<Value = Curve<2>> {
@@ -238,12 +329,13 @@ mod tests {
         prop_oneof![
             (point(), point(), -PI..PI, -PI..PI)
                 .prop_map(|(from, to, heading, turned)| Curve::Line { from, to, heading, turned }),
-            (point(), 0.1..9.0_f64, -PI..PI, -TAU..TAU).prop_map(
-                |(center, radius, start_angle, sweep)| Curve::Arc {
+            (point(), 0.1..9.0_f64, -PI..PI, any_sweep(), any::<bool>()).prop_map(
+                |(center, radius, start_angle, sweep, reverse)| Curve::Arc {
                     center,
                     radius,
                     start_angle,
-                    sweep
+                    sweep,
+                    reverse,
                 }
             ),
             (point(), -PI..PI, -TAU..TAU).prop_map(|(position, from_heading, sweep)| Curve::Turn {
@@ -272,8 +364,10 @@ mod tests {
 
         #[test]
         fn reversal_exchanges_the_ends(curve in any_curve()) {
-            let Some(back) = curve.reversed() else { return Ok(()) };
-            prop_assert_eq!((back.start(), back.end()), (curve.end(), curve.start()));
+            let back = curve.reversed();
+            for (one, other) in [(back.start(), curve.end()), (back.end(), curve.start())] {
+                prop_assert!((one - other).norm() < 1e-13);
+            }
             for (one, other) in [
                 (back.start_heading(), curve.end_heading()),
                 (back.end_heading(), curve.start_heading()),
@@ -281,16 +375,40 @@ mod tests {
                 prop_assert!(wrapped(one - other).abs() < 1e-14);
             }
             prop_assert_eq!(back.length(), curve.length());
+            prop_assert_eq!(back.turned(), -curve.turned());
+            let again = back.reversed();
+            prop_assert!((again.start() - curve.start()).norm() < 1e-13);
+            prop_assert!(wrapped(again.start_heading() - curve.start_heading()).abs() < 2e-14);
+            if matches!(curve, Curve::Arc { sweep, .. } if sweep != 0.0) {
+                prop_assert_ne!(back.is_reverse(), curve.is_reverse());
+            }
         }
 
-        /// On an arc the heading is the direction of travel, and the ends are on the circle.
+        /// By the dot product of heading and direction, from a step at the start.
+        #[test]
+        fn reverse_is_driven_against_the_heading(curve in any_curve()) {
+            let way = match curve {
+                Curve::Line { from, to, .. } => to - from,
+                Curve::Arc { center, sweep, .. } => {
+                    let out = curve.start() - center;
+                    Vector::from([-out.y, out.x]) * sweep.signum()
+                }
+                Curve::Turn { .. } => Vector::zeros(),
+            };
+            let (sin, cos) = libm::sincos(curve.start_heading());
+            let along = way.x * cos + way.y * sin;
+            prop_assume!(along.abs() > 1e-12 || matches!(curve, Curve::Turn { .. }));
+            prop_assert_eq!(curve.is_reverse(), along < 0.0);
+        }
+
+        /// On an arc driven forwards the heading is the direction of travel, and the ends are on the circle.
         #[test]
         fn arc_sets_out_along_its_heading(
             radius in 0.1..9.0_f64, start_angle in -PI..PI, sweep in 0.1..6.0_f64, left: bool,
         ) {
             let sweep = if left { sweep } else { -sweep };
             let center = Vector::from([3.0, -2.0]);
-            let arc = Curve::Arc { center, radius, start_angle, sweep };
+            let arc = Curve::Arc { center, radius, start_angle, sweep, reverse: false };
             for (point, heading) in
                 [(arc.start(), arc.start_heading()), (arc.end(), arc.end_heading())]
             {

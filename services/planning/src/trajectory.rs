@@ -20,7 +20,7 @@
 //! // 2 m at most 1 m/s and 1 m/s2: 1 s to reach the top speed, 1 s at it, 1 s to stop.
 //! let limits = Limits::new(1.0, 1.0, 1.0, 1.0, 1.0)?;
 //! let curve = Curve::translation(Vector::from([0.0, 0.0]), Vector::from([0.0, 2.0]));
-//! let legs = [Leg { curve, junction: None, rule: None }];
+//! let legs = [Leg { curve, junction: None, rule: None, rung: None }];
 //! let mut profile = Profile::default();
 //! profile.plan(&legs, &limits, Stops::EveryLeg, &Budget::default())?;
 //! assert_eq!((profile.duration(), profile.length()), (3.0, 2.0));

@@ -26,7 +26,7 @@ impl Errand {
         let sizes = [footprint.width, footprint.length];
         let footprint = Footprint::new(footprint.width, footprint.length).map_err(|error| {
             let message = format!("body.footprint: {error}");
-            let (has, least) = (Some(error.width.min(error.length)), Some(0.0));
+            let (has, least) = (Some(error.least()), Some(0.0));
             Refusal { has, least, ..Refusal::invalid("body.footprint", message) }
         })?;
         check::in_range(|| "body.footprint".to_owned(), &sizes)?;

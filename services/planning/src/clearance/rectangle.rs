@@ -14,6 +14,8 @@ use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::motion::Curve;
 
+use segment::Rectangle;
+
 mod moving;
 mod segment;
 mod slide;
@@ -27,32 +29,86 @@ pub const TIE: f64 = 1e-12;
 /// Every other clearance is exact to rounding.
 pub const TURNING_WHILE_MOVING_BOUND: f64 = 1e-9;
 
-/// The rectangle that a mobile robot covers; its reference point is the centre.
+/// The rectangle that a mobile robot covers. Poses are those of its reference point, which
+/// lies midway between its sides and anywhere from its front to its rear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {
     width: f64,
-    length: f64,
+    front: f64,
+    rear: f64,
 }
 
-/// Why two sides are no [`Footprint`].
+/// Why numbers are no [`Footprint`].
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("a footprint needs positive sides: width {width} m, length {length} m")]
-pub struct FootprintError {
-    /// Extent across the heading, metres.
-    pub width: f64,
-    /// Extent along the heading, metres.
-    pub length: f64,
+pub enum FootprintError {
+    /// A side is not positive and finite.
+    #[error("width {width} m and length {length} m must be finite and greater than 0")]
+    Sides {
+        /// Extent across the heading, metres.
+        width: f64,
+        /// Extent along the heading, metres.
+        length: f64,
+    },
+    /// The width is not positive and finite, or the reference point is not within the
+    /// rectangle.
+    #[error(
+        "width {width} m must be greater than 0; front {front} m and rear {rear} m must not be \
+         negative, nor both 0; all must be finite"
+    )]
+    Reach {
+        /// Extent across the heading, metres.
+        width: f64,
+        /// From the reference point to the front edge, metres.
+        front: f64,
+        /// From the reference point to the rear edge, metres.
+        rear: f64,
+    },
+}
+
+impl FootprintError {
+    /// The least of the numbers given, metres.
+    pub fn least(&self) -> f64 {
+        match *self {
+            Self::Sides { width, length } => width.min(length),
+            Self::Reach { width, front, rear } => width.min(front).min(rear),
+        }
+    }
 }
 
 impl Footprint {
     /// The rectangle of extent `width` across the heading (the paper's w) and `length` along
-    /// it (the paper's h), metres; both must be positive and finite.
+    /// it (the paper's h), metres, with the reference point in its middle; both must be
+    /// positive and finite.
     pub fn new(width: f64, length: f64) -> Result<Self, FootprintError> {
         let positive = |side: f64| side > 0.0 && side.is_finite();
         if positive(width) && positive(length) {
-            Ok(Self { width, length })
+            Ok(Self { width, front: length / 2.0, rear: length / 2.0 })
         } else {
-            Err(FootprintError { width, length })
+            Err(FootprintError::Sides { width, length })
+        }
+    }
+
+    /// The rectangle of extent `width` across the heading that reaches `front` ahead of the
+    /// reference point and `rear` behind it, metres. The width must be positive, the others
+    /// must not be negative, nor both 0.
+    ///
+    /// ```
+    /// use planning::clearance::rectangle::Footprint;
+    ///
+    /// // A car's reference point is the middle of its rear axle.
+    /// let car = Footprint::offset(1.8, 3.6, 1.0)?;
+    /// assert_eq!((car.length(), car.front(), car.rear()), (4.6, 3.6, 1.0));
+    /// assert_eq!(Footprint::offset(1.0, 0.75, 0.75), Footprint::new(1.0, 1.5));
+    /// assert!(Footprint::offset(1.0, 2.0, -0.5).is_err());
+    /// # Ok::<(), planning::clearance::rectangle::FootprintError>(())
+    /// ```
+    pub fn offset(width: f64, front: f64, rear: f64) -> Result<Self, FootprintError> {
+        let length = front + rear;
+        let reaches = front >= 0.0 && rear >= 0.0 && length > 0.0 && length.is_finite();
+        if reaches && width > 0.0 && width.is_finite() {
+            Ok(Self { width, front, rear })
+        } else {
+            Err(FootprintError::Reach { width, front, rear })
         }
     }
 
@@ -61,9 +117,33 @@ impl Footprint {
         self.width
     }
 
+    /// From the reference point to the front edge, metres.
+    pub fn front(&self) -> f64 {
+        self.front
+    }
+
+    /// From the reference point to the rear edge, metres.
+    pub fn rear(&self) -> f64 {
+        self.rear
+    }
+
     /// Extent along the heading, metres.
     pub fn length(&self) -> f64 {
-        self.length
+        self.front + self.rear
+    }
+
+    /// Radius of the turning circle: from the reference point to the farthest corner, metres.
+    pub fn swing_radius(&self) -> f64 {
+        let (along, across) = (self.front.max(self.rear), self.width / 2.0);
+        (along * along + across * across).sqrt()
+    }
+
+    /// The rectangle in the frame of the reference point, the x axis along the heading.
+    fn rectangle(&self) -> Rectangle {
+        Rectangle {
+            center: Vector::<2>::new((self.front - self.rear) / 2.0, 0.0),
+            half: Vector::<2>::new(self.length() / 2.0, self.width / 2.0),
+        }
     }
 }
 
@@ -126,8 +206,8 @@ pub fn clearance_rectangle_pose(
     clearance_rectangle_curve(footprint, &curve, walls, budget)
 }
 
-/// Clearance over one curve; `None` without walls. A line is travelled along the heading;
-/// over a turn in place `at` is 0.
+/// Clearance over one curve; `None` without walls. A line is travelled along the heading or
+/// against it; over a turn in place `at` is 0.
 ///
 /// ```
 /// use planning::budget::Budget;
@@ -155,7 +235,7 @@ pub fn clearance_rectangle_curve(
     walls: &Walls<2>,
     budget: &Budget<'_>,
 ) -> Result<Option<Clearance<2>>, Spent> {
-    let guess = footprint.width.max(footprint.length);
+    let guess = footprint.width.max(footprint.length());
     let mut met = nearest(footprint, curve, walls, guess, budget)?;
     met.along *= curve.length();
     Ok(met.clearance())
@@ -179,7 +259,8 @@ pub(crate) fn nearest(
     match *curve {
         Curve::Line { from, to, heading, turned } => {
             if turned == 0.0 {
-                let slide = slide::Slide::new(footprint, &from, &to, heading);
+                let back = curve.is_reverse();
+                let slide = slide::Slide::new(footprint, (&from, &to), heading, back);
                 search(near, slide.bounds(), |wall, met| {
                     slide.meet(wall, met);
                     Ok(())
@@ -189,8 +270,9 @@ pub(crate) fn nearest(
                 search(near, moving.bounds(), |wall, met| moving.meet(wall, met, budget))
             }
         }
-        Curve::Arc { center, radius, start_angle, sweep } => {
-            let swing = swing::Swing::on_arc(footprint, &center, radius, start_angle, sweep);
+        Curve::Arc { center, radius, start_angle, sweep, reverse } => {
+            let arc = (&center, radius, start_angle, sweep);
+            let swing = swing::Swing::on_arc(footprint, arc, reverse);
             search(near, swing.bounds(), |wall, met| {
                 swing.meet(wall, met);
                 Ok(())

@@ -79,7 +79,7 @@ impl<'a> Body<'a, 2> {
 /// let mut walls = Walls::default();
 /// walls.push_box(&AxisBox::new([1.5, 3.0].into(), [4.0, 9.0].into())?);
 /// let curve = Curve::translation(Vector::from([0.0, 0.0]), Vector::from([0.0, 5.0]));
-/// let legs = [Leg { curve, junction: None, rule: None }];
+/// let legs = [Leg { curve, junction: None, rule: None, rung: None }];
 /// let (body, mut each, budget) = (Body::from_box(&body), Vec::new(), Budget::default());
 /// let clearance = clearance_body_legs(&body, &walls, &legs, &mut each, &budget)?;
 /// let clearance = clearance.expect("there are walls");

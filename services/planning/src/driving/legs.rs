@@ -37,6 +37,7 @@ pub(super) fn write(drive: &Drive<'_>, knots: &[Knot], last: &Tangent, legs: &mu
                 curve: Curve::Line { from: line.from, to: line.to, heading: next, turned },
                 junction: knot.map(|knot| knot.corner),
                 rule: knot.map(|knot| drive.corners[knot.corner].rule.name()),
+                rung: None,
             });
         }
         heading = next;
@@ -65,9 +66,11 @@ fn arc(drive: &Drive<'_>, knot: &Knot, from: f64, to: f64) -> Leg<2> {
             // The centre is a quarter turn to the side of the turn.
             start_angle: wrapped(from - sense * FRAC_PI_2),
             sweep: sense * sweep,
+            reverse: false,
         },
         junction: Some(knot.corner),
         rule: Some(rule.name()),
+        rung: None,
     }
 }
 
@@ -84,5 +87,6 @@ fn turn_in_place(position: &Vector<2>, from_heading: f64, sweep: f64) -> Leg<2> 
         curve: Curve::Turn { position: *position, from_heading, sweep },
         junction: None,
         rule: None,
+        rung: None,
     }
 }

@@ -17,8 +17,9 @@ pub enum Stops {
     /// At the end of every leg, as a polyline has no tangent there (assembly).
     EveryLeg,
     /// Before and after turns in place, wherever the headings of two legs differ by more
-    /// than 1e-9 rad, and before a line that turns on the way, which sets out across its
-    /// heading (driving). Elsewhere headings are taken to be tangent to the path.
+    /// than 1e-9 rad, before a line that turns on the way, which sets out across its heading,
+    /// and at cusps, where the robot changes between driving forwards and backwards (driving).
+    /// Elsewhere headings are taken to be tangent to the path.
     AtTurns,
 }
 
@@ -269,10 +270,22 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
 }
 
 /// Whether a body can go from `curve` on to `next` without a stop: the heading stays, and
-/// `next` sets out along it.
+/// `next` sets out along it, or backwards if `curve` ends backwards.
 fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bool {
     let turns = matches!(*next, Curve::Line { turned, .. } if turned != 0.0);
-    !turns && wrapped(next.start_heading() - curve.end_heading()).abs() <= SAME_HEADING
+    !turns
+        && wrapped(next.start_heading() - curve.end_heading()).abs() <= SAME_HEADING
+        && ends_backwards(curve) == next.is_reverse()
+}
+
+/// Whether the body is driven backwards at the end of `curve`.
+fn ends_backwards<const D: usize>(curve: &Curve<D>) -> bool {
+    match *curve {
+        Curve::Line { from, to, heading, .. } => {
+            Curve::Line { from, to, heading, turned: 0.0 }.is_reverse()
+        }
+        _ => curve.is_reverse(),
+    }
 }
 
 /// A compensated sum (Neumaier): a million legs are timed as accurately as one.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn leg<const D: usize>(curve: Curve<D>) -> Leg<D> {
-    Leg { curve, junction: None, rule: None }
+    Leg { curve, junction: None, rule: None, rung: None }
 }
 
 fn polyline<const D: usize>(points: &[[f64; D]]) -> Vec<Leg<D>> {
@@ -34,7 +34,7 @@ fn drive(start_turn: f64, lines: &[f64], arcs: &[(f64, f64)], goal_turn: f64) ->
         let sense = sweep.signum();
         let center = position + Vector::from([-sin, cos]) * (sense * radius);
         let start_angle = wrapped(heading - sense * FRAC_PI_2);
-        legs.push(leg(Curve::Arc { center, radius, start_angle, sweep }));
+        legs.push(leg(Curve::Arc { center, radius, start_angle, sweep, reverse: false }));
         let (sin, cos) = libm::sincos(start_angle + sweep);
         position = center + Vector::from([cos, sin]) * radius;
         heading = wrapped(heading + sweep);
@@ -236,7 +236,7 @@ proptest! {
             let place = offset + match *curve {
                 Curve::Turn { .. } => continue,
                 Curve::Line { from, .. } => (state.position - from).norm(),
-                Curve::Arc { center, radius, start_angle, sweep } => {
+                Curve::Arc { center, radius, start_angle, sweep, .. } => {
                     let arm = state.position - center;
                     let angle = libm::atan2(arm[1], arm[0]) - start_angle;
                     radius * wrapped(sweep.signum() * angle)

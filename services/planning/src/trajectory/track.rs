@@ -75,7 +75,8 @@ impl<const D: usize> Track<D> {
                 let curvature = sense(sweep);
                 Self { origin: center, direction: none, heading, curvature, arc: None }
             }
-            Curve::Arc { center, radius, start_angle, sweep } => {
+            // Driven backwards the place and the way are the same; the heading is the curve's.
+            Curve::Arc { center, radius, start_angle, sweep, .. } => {
                 let sense = sense(sweep);
                 let arc = Some(Arc::new(radius, start_angle, sense));
                 Self { origin: center, direction: none, heading, curvature: sense / radius, arc }
@@ -217,7 +218,8 @@ fn small_angle(x: f64) -> (f64, f64) {
 /// Unit vector of a line's travel.
 ///
 /// Rounding could turn a very short line, such as between two guiding circles that almost
-/// touch, anywhere: if the ends agree with the heading to rounding, the heading is taken.
+/// touch, anywhere: if the ends agree with the heading to rounding, the heading is taken, or
+/// its opposite if the line is driven backwards.
 fn direction<const D: usize>(
     from: &Vector<D>,
     to: &Vector<D>,
@@ -230,8 +232,10 @@ fn direction<const D: usize>(
         let (sin, cos) = libm::sincos(heading);
         let mut along = Vector::zeros();
         (along[0], along[1]) = (cos, sin);
-        if (displacement - along * length).amax() <= 4.0 * f64::EPSILON * extent {
-            return along;
+        for along in [along, -along] {
+            if (displacement - along * length).amax() <= 4.0 * f64::EPSILON * extent {
+                return along;
+            }
         }
     }
     displacement / length
@@ -255,6 +259,10 @@ mod tests {
         let to = from + Vector::from([cos, sin]) * 1e-12;
         let length = (to - from).norm();
         assert_eq!(direction(&from, &to, length, 0.7), Vector::from([cos, sin]));
+        // The shortest that can be told to be driven backwards.
+        let to = from + Vector::from([cos, sin]) * 4e-12;
+        let length = (to - from).norm();
+        assert_eq!(direction(&to, &from, length, 0.7), Vector::from([-cos, -sin]));
     }
 
     #[test]

@@ -14,14 +14,14 @@ use crate::geometry::{Vector, rotated, unit, unrotated};
 /// least one seen by more than [`TURNING_WHILE_MOVING_BOUND`]. Two bounds hold on each
 /// part:
 ///
-/// 1. No point of the body moves farther than (length + half diagonal * |turned|)
-///    per unit of progress.
+/// 1. No point of the body moves farther than (length + reach * |turned|) per unit of
+///    progress, the reach being that of its corners from the reference point.
 /// 2. A point with second derivative at most m stays within m delta^2 / 8 of its
-///    chord over a part of size delta. Body corners have m = half diagonal *
-///    turned^2 in the wall's frame; a wall end at most r from the body's centre
-///    has m = r turned^2 + 2 |turned| length in the body's frame. The distance of
-///    a chord to the (convex) wall or body is exact, and while body and wall are
-///    apart a corner of one of them is nearest.
+///    chord over a part of size delta. Body corners have m = reach * turned^2 in the
+///    wall's frame; a wall end at most r from the reference point has
+///    m = r turned^2 + 2 |turned| length in the body's frame. The distance of a chord
+///    to the (convex) wall or body is exact, and while body and wall are apart a
+///    corner of one of them is nearest.
 pub(super) struct Moving {
     from: Vector<2>,
     travel: Vector<2>,
@@ -29,7 +29,8 @@ pub(super) struct Moving {
     start_heading: f64,
     turned: f64,
     body: Rectangle,
-    half_diagonal: f64,
+    /// Of the body's corners from the reference point.
+    reach: f64,
 }
 
 /// Distances are rounded by up to this part of the coordinates.
@@ -56,7 +57,6 @@ impl Moving {
         heading: f64,
         turned: f64,
     ) -> Self {
-        let (a, b) = (footprint.length / 2.0, footprint.width / 2.0);
         let travel = to - from;
         Self {
             from: *from,
@@ -64,15 +64,15 @@ impl Moving {
             length: travel.dot(&travel).sqrt(),
             start_heading: heading - turned,
             turned,
-            body: Rectangle { center: Vector::<2>::zeros(), half: Vector::<2>::new(a, b) },
-            half_diagonal: (a * a + b * b).sqrt(),
+            body: footprint.rectangle(),
+            reach: footprint.swing_radius(),
         }
     }
 
     /// A box around the swept set.
     pub(super) fn bounds(&self) -> (Vector<2>, Vector<2>) {
         let to = self.from + self.travel;
-        let extent = Vector::<2>::new(self.half_diagonal, self.half_diagonal);
+        let extent = Vector::<2>::new(self.reach, self.reach);
         (self.from.inf(&to) - extent, self.from.sup(&to) + extent)
     }
 
@@ -84,14 +84,15 @@ impl Moving {
     ) -> Result<(), Spent> {
         let start = self.placed(wall, 0.0, met);
         let end = self.placed(wall, 1.0, met);
-        let reach = start.ends.iter().chain(&end.ends).map(|end| end.dot(end)).fold(0.0, f64::max);
+        let farthest =
+            start.ends.iter().chain(&end.ends).map(|end| end.dot(end)).fold(0.0, f64::max);
         let turned = self.turned.abs();
         let size = self.from.amax().max(wall.from.amax()).max(wall.to.amax());
-        let size = size.max(self.length).max(self.half_diagonal);
+        let size = size.max(self.length).max(self.reach);
         let bend = Bend {
             bound: TURNING_WHILE_MOVING_BOUND.max(ROUNDING * size),
-            corner: self.half_diagonal * turned * turned,
-            end: reach.sqrt() * turned * turned + 2.0 * turned * self.length,
+            corner: self.reach * turned * turned,
+            end: farthest.sqrt() * turned * turned + 2.0 * turned * self.length,
         };
         self.refine(wall, (&start, &end), &bend, met, budget)
     }
@@ -108,7 +109,7 @@ impl Moving {
         budget.step(STEPS_PER_PART)?;
         let enough = met.value - bend.bound;
         let part = b.progress - a.progress;
-        let speed = self.length + self.half_diagonal * self.turned.abs();
+        let speed = self.length + self.reach * self.turned.abs();
         let first_touch_is_known = met.value == 0.0 && met.along <= a.progress;
         if first_touch_is_known || (a.distance + b.distance - speed * part) / 2.0 >= enough {
             return Ok(());
@@ -118,7 +119,7 @@ impl Moving {
             let closest = distance_segment_segment(chord, (&wall.from, &wall.to));
             corners = corners.min(closest.distance);
         }
-        let (low, high) = (-self.body.half, self.body.half);
+        let (low, high) = (self.body.center - self.body.half, self.body.center + self.body.half);
         let mut ends = f64::INFINITY;
         for chord in a.ends.iter().zip(&b.ends) {
             ends = ends.min(distance_segment_box(chord, (&low, &high)).distance);

@@ -3,14 +3,17 @@
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TIE};
 use crate::free_space::walls::Wall;
-use crate::geometry::{Vector, unit};
+use crate::geometry::{Sign, Vector, unit};
 
-/// A line travelled along the heading; of length 0, a body at rest.
+/// A line travelled along the heading or against it; of length 0, a body at rest.
 pub(super) struct Slide {
     from: Vector<2>,
     heading: Vector<2>,
     length: f64,
-    half_length: f64,
+    /// The sense of travel along the heading.
+    sense: Sign,
+    /// From the reference point to the edge that leads.
+    lead: f64,
     /// The swept set in the frame at `from` with its x axis along the heading.
     swept: Rectangle,
 }
@@ -18,20 +21,27 @@ pub(super) struct Slide {
 impl Slide {
     pub(super) fn new(
         footprint: &Footprint,
-        from: &Vector<2>,
-        to: &Vector<2>,
+        (from, to): (&Vector<2>, &Vector<2>),
         heading: f64,
+        reverse: bool,
     ) -> Self {
         let length = (to - from).dot(&(to - from)).sqrt();
-        let (a, b) = (footprint.length / 2.0, footprint.width / 2.0);
+        let body = footprint.rectangle();
+        let (sense, lead) = if reverse {
+            (Sign::Negative, footprint.rear)
+        } else {
+            (Sign::Positive, footprint.front)
+        };
+        let half = length / 2.0;
         Self {
             from: *from,
             heading: unit(heading),
             length,
-            half_length: a,
+            sense,
+            lead,
             swept: Rectangle {
-                center: Vector::<2>::new(length / 2.0, 0.0),
-                half: Vector::<2>::new(a + length / 2.0, b),
+                center: Vector::<2>::new(body.center.x + sense.factor() * half, 0.0),
+                half: Vector::<2>::new(body.half.x + half, body.half.y),
             },
         }
     }
@@ -44,8 +54,8 @@ impl Slide {
     pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {
         let segment = Segment::seen(wall, &self.from, &self.heading);
         segment.meet(&self.swept, met.value + TIE, |distance, t| {
-            // The wall point is nearest from when the front edge reaches it.
-            let ahead = segment.at(t).x - self.half_length;
+            // The wall point is nearest from when the leading edge reaches it.
+            let ahead = self.sense.factor() * segment.at(t).x - self.lead;
             let along = if ahead <= 0.0 { 0.0 } else { (ahead / self.length).min(1.0) };
             met.offer(distance, along, wall.from + (wall.to - wall.from) * t);
         });

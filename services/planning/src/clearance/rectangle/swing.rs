@@ -17,10 +17,15 @@ pub(super) struct Swing {
     center: Vector<2>,
     middle: Vector<2>,
     body: Rectangle,
+    /// The two near the centre, then the two far from it.
     corners: [Vector<2>; 4],
-    /// Distances of the corners from the centre: of the two near ones, then of the two far
-    /// ones.
-    radii: [f64; 2],
+    /// Distances of the corners from the centre.
+    radii: [f64; 4],
+    /// How many corners in a row share a circle: the two of a side if the reference point is
+    /// in the middle.
+    on_circle: usize,
+    /// The greatest of the radii.
+    outer: f64,
     /// The unit vector at half of the sweep's size.
     half: Vector<2>,
     half_sweep: f64,
@@ -32,15 +37,14 @@ pub(super) struct Swing {
 impl Swing {
     pub(super) fn on_arc(
         footprint: &Footprint,
-        center: &Vector<2>,
-        radius: f64,
-        start_angle: f64,
-        sweep: f64,
+        (center, radius, start_angle, sweep): (&Vector<2>, f64, f64, f64),
+        reverse: bool,
     ) -> Self {
-        // The centre lies to the left of the path of a left turn.
+        // The centre lies to the left of a body that drives a left turn forwards.
         let sense = Sign::of(sweep);
-        let heading = start_angle + sense.factor() * FRAC_PI_2 + sweep / 2.0;
-        Self::new(footprint, center, -sense.factor() * radius, heading, sweep)
+        let side = if reverse { sense.opposite() } else { sense }.factor();
+        let heading = start_angle + side * FRAC_PI_2 + sweep / 2.0;
+        Self::new(footprint, center, -side * radius, heading, sweep)
     }
 
     pub(super) fn in_place(
@@ -59,28 +63,31 @@ impl Swing {
         heading: f64,
         sweep: f64,
     ) -> Self {
-        let (a, b) = (footprint.length / 2.0, footprint.width / 2.0);
-        let body =
-            Rectangle { center: Vector::<2>::new(0.0, offset), half: Vector::<2>::new(a, b) };
-        // Near side first.
-        let near = if offset < 0.0 { b } else { -b };
+        let mut body = footprint.rectangle();
+        body.center.y = offset;
+        let (rear, front) = (-footprint.rear, footprint.front);
+        let half_width = body.half.y;
+        let near = if offset < 0.0 { half_width } else { -half_width };
         let corners = [
-            Vector::<2>::new(-a, offset + near),
-            Vector::<2>::new(a, offset + near),
-            Vector::<2>::new(-a, offset - near),
-            Vector::<2>::new(a, offset - near),
+            Vector::<2>::new(rear, offset + near),
+            Vector::<2>::new(front, offset + near),
+            Vector::<2>::new(rear, offset - near),
+            Vector::<2>::new(front, offset - near),
         ];
-        let radii = [0, 2].map(|i| corners[i].dot(&corners[i]).sqrt());
+        let radii = corners.map(|corner| corner.dot(&corner).sqrt());
         Self {
             center: *center,
             middle: unit(heading),
             body,
             corners,
             radii,
+            on_circle: if footprint.front == footprint.rear { 2 } else { 1 },
+            outer: radii[2].max(radii[3]),
             half: unit(sweep.abs() / 2.0),
             half_sweep: sweep.abs() / 2.0,
             sense: Sign::of(sweep),
-            inner: (offset.abs() - b).max(0.0),
+            // The reference point lies between front and rear, and so nearest to the centre.
+            inner: (offset.abs() - half_width).max(0.0),
         }
     }
 
@@ -93,7 +100,7 @@ impl Swing {
             let center = self.center + rotated(&self.body.center, &heading);
             bounds(&center, &heading, &self.body.half)
         });
-        let bulge = self.radii[1] * (1.0 - self.half.x);
+        let bulge = self.outer * (1.0 - self.half.x);
         let bulge = Vector::<2>::new(bulge, bulge);
         (ends[0].0.inf(&ends[1].0) - bulge, ends[0].1.sup(&ends[1].1) + bulge)
     }
@@ -111,12 +118,13 @@ impl Swing {
         // The body stays between two circles, far from which the wall may be.
         let nearest = if seen.crosses() { seen.line } else { seen.lengths[0].min(seen.lengths[1]) };
         let farthest = seen.lengths[0].max(seen.lengths[1]);
-        if !met.wants((nearest - self.radii[1]).max(self.inner - farthest)) {
+        if !met.wants((nearest - self.outer).max(self.inner - farthest)) {
             return;
         }
         self.placements(wall, &seen, met);
-        for (side, &radius) in self.radii.iter().enumerate() {
-            self.corners_to_wall(wall, &seen, &self.corners[2 * side..][..2], radius, met);
+        for first in (0..4).step_by(self.on_circle) {
+            let corners = &self.corners[first..][..self.on_circle];
+            self.corners_to_wall(wall, &seen, corners, self.radii[first], met);
         }
         for end in 0..2 {
             self.wall_end_to_edges(wall, &seen, end, met);
@@ -134,7 +142,7 @@ impl Swing {
         }
     }
 
-    /// Two body corners on one circle about the centre against the wall.
+    /// Body corners on one circle about the centre against the wall.
     fn corners_to_wall(
         &self,
         wall: &Wall<2>,
@@ -143,6 +151,10 @@ impl Swing {
         radius: f64,
         met: &mut Met,
     ) {
+        if radius == 0.0 {
+            // The corner stays where it is.
+            return;
+        }
         let mut candidate = |distance: f64, target: &Vector<2>, length: f64, t: f64| {
             for corner in corners {
                 let turn = unrotated(target, corner) / (radius * length);
@@ -176,7 +188,7 @@ impl Swing {
     /// of the body.
     fn wall_end_to_edges(&self, wall: &Wall<2>, seen: &Seen, index: usize, met: &mut Met) {
         let (end, length, t) = (&seen.ends[index], seen.lengths[index], index as f64);
-        if length == 0.0 || length > self.radii[1] {
+        if length == 0.0 || length > self.outer {
             return;
         }
         let (center, half) = (&self.body.center, &self.body.half);
@@ -189,19 +201,24 @@ impl Swing {
             return;
         }
         for y in [center.y - half.y, center.y + half.y] {
-            let x = length * length - y * y;
-            if (0.0..=half.x * half.x).contains(&x) {
-                let x = x.sqrt();
-                candidate(0.0, x, y);
-                candidate(0.0, -x, y);
+            let square = length * length - y * y;
+            if square >= 0.0 {
+                let x = square.sqrt();
+                for x in [x, -x] {
+                    if (x - center.x).abs() <= half.x {
+                        candidate(0.0, x, y);
+                    }
+                }
             }
         }
-        let y = (length * length - half.x * half.x).max(0.0).sqrt();
-        if length >= half.x {
-            for y in [y, -y] {
-                if (y - center.y).abs() <= half.y {
-                    candidate(0.0, half.x, y);
-                    candidate(0.0, -half.x, y);
+        for x in [center.x + half.x, center.x - half.x] {
+            let square = length * length - x * x;
+            if square >= 0.0 {
+                let y = square.sqrt();
+                for y in [y, -y] {
+                    if (y - center.y).abs() <= half.y {
+                        candidate(0.0, x, y);
+                    }
                 }
             }
         }

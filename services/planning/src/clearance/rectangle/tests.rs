@@ -33,12 +33,13 @@ pub(crate) fn pose(curve: &Curve<2>, part: f64) -> (f64, f64, f64) {
             from.y + (to.y - from.y) * part,
             heading - turned * (1.0 - part),
         ),
-        Curve::Arc { center, radius, start_angle, sweep } => {
+        Curve::Arc { center, radius, start_angle, sweep, reverse } => {
             let angle = start_angle + sweep * part;
+            let tangent = angle + FRAC_PI_2.copysign(sweep);
             (
                 center.x + radius * libm::cos(angle),
                 center.y + radius * libm::sin(angle),
-                angle + FRAC_PI_2.copysign(sweep),
+                if reverse { tangent + PI } else { tangent },
             )
         }
         Curve::Turn { position, from_heading, sweep } => {
@@ -79,12 +80,12 @@ pub(crate) fn outline_distance(
     (x, y, heading): (f64, f64, f64),
     walls: &Walls<2>,
 ) -> f64 {
-    let (a, b) = (footprint.length() / 2.0, footprint.width() / 2.0);
+    let (front, rear, b) = (footprint.front(), footprint.rear(), footprint.width() / 2.0);
     let (sin, cos) = (libm::sin(heading), libm::cos(heading));
     let corner =
         |ahead: f64, left: f64| (x + ahead * cos - left * sin, y + ahead * sin + left * cos);
-    let outline = [corner(a, b), corner(-a, b), corner(-a, -b), corner(a, -b)];
-    let reach = libm::hypot(a, b);
+    let outline = [corner(front, b), corner(-rear, b), corner(-rear, -b), corner(front, -b)];
+    let reach = libm::hypot(front.max(rear), b);
     let mut least = f64::INFINITY;
     for wall in walls.as_slice() {
         let (from, to) = ((wall.from.x, wall.from.y), (wall.to.x, wall.to.y));
@@ -121,7 +122,7 @@ pub(crate) fn check_densely(
             (least, at) = (distance(part), part);
         }
     }
-    let reach = libm::hypot(footprint.length(), footprint.width()) / 2.0;
+    let reach = libm::hypot(footprint.front().max(footprint.rear()), footprint.width() / 2.0);
     let displacement = match *curve {
         Curve::Line { turned, .. } => curve.length() + reach * turned.abs(),
         Curve::Arc { sweep, .. } => curve.length() + reach * sweep.abs(),
@@ -184,7 +185,13 @@ fn turning_while_moving_ends_at_any_size() {
 }
 
 fn footprints() -> impl Strategy<Value = Footprint> {
-    (0.1..2.0, 0.1..3.0).prop_map(|(width, length)| Footprint::new(width, length).unwrap())
+    let centred =
+        (0.1..2.0, 0.1..3.0).prop_map(|(width, length)| Footprint::new(width, length).unwrap());
+    let reach = || prop_oneof![1 => Just(0.0), 4 => 0.05..2.0];
+    let offset = (0.1..2.0, reach(), reach())
+        .prop_filter("a length", |(_, front, rear)| front + rear > 0.0)
+        .prop_map(|(width, front, rear)| Footprint::offset(width, front, rear).unwrap());
+    prop_oneof![centred, offset]
 }
 
 fn scenes() -> impl Strategy<Value = Walls<2>> {
@@ -197,7 +204,7 @@ fn scenes() -> impl Strategy<Value = Walls<2>> {
 }
 
 fn curves() -> impl Strategy<Value = Curve<2>> {
-    let line = (-2.0..2.0, -2.0..2.0, -PI..PI, 0.0..4.0).prop_map(|(x, y, heading, length)| {
+    let line = (-2.0..2.0, -2.0..2.0, -PI..PI, -4.0..4.0).prop_map(|(x, y, heading, length)| {
         let to = point(x + length * libm::cos(heading), y + length * libm::sin(heading));
         Curve::Line { from: point(x, y), to, heading, turned: 0.0 }
     });
@@ -209,12 +216,13 @@ fn curves() -> impl Strategy<Value = Curve<2>> {
             turned,
         },
     );
-    let arc = (-2.0..2.0, -2.0..2.0, 0.05..3.0, -PI..PI, -4.0..4.0).prop_map(
-        |(x, y, radius, start_angle, sweep)| Curve::Arc {
+    let arc = (-2.0..2.0, -2.0..2.0, 0.05..3.0, -PI..PI, -4.0..4.0, any::<bool>()).prop_map(
+        |(x, y, radius, start_angle, sweep, reverse)| Curve::Arc {
             center: point(x, y),
             radius,
             start_angle,
             sweep,
+            reverse,
         },
     );
     let turn = (-2.0..2.0, -2.0..2.0, -PI..PI, -PI..PI).prop_map(|(x, y, from_heading, sweep)| {
@@ -238,6 +246,10 @@ proptest! {
 
 fn robot() -> Footprint {
     Footprint::new(1.0, 1.5).unwrap()
+}
+
+fn arc(center: Vector<2>, radius: f64, start_angle: f64, sweep: f64) -> Curve<2> {
+    Curve::Arc { center, radius, start_angle, sweep, reverse: false }
 }
 
 #[test]
@@ -318,8 +330,7 @@ fn turn_into_a_wall_stops_at_first_contact() {
 
 #[test]
 fn corner_of_the_guiding_circle_is_the_gap_away_all_along() {
-    let curve =
-        Curve::Arc { center: point(3.0, 8.0), radius: 1.1, start_angle: PI, sweep: -FRAC_PI_2 };
+    let curve = arc(point(3.0, 8.0), 1.1, PI, -FRAC_PI_2);
     let met = check_curve(&robot(), &curve, &walls(&[[3.0, 0.0, 3.0, 8.0], [3.0, 8.0, 9.0, 8.0]]));
     assert!((met.value - 0.6).abs() < 1e-15);
     assert_eq!(met.along, 0.0);
@@ -328,8 +339,7 @@ fn corner_of_the_guiding_circle_is_the_gap_away_all_along() {
 #[test]
 fn outer_wall_is_approached_on_the_outer_circle() {
     // W - R(gap) (docs/method.md 6.2).
-    let curve =
-        Curve::Arc { center: point(0.0, 0.0), radius: 1.5, start_angle: PI, sweep: -FRAC_PI_2 };
+    let curve = arc(point(0.0, 0.0), 1.5, PI, -FRAC_PI_2);
     let met = check_curve(&robot(), &curve, &walls(&[[-3.0, -9.0, -3.0, 3.0]]));
     assert!((met.value - (3.0 - libm::hypot(2.0, 0.75))).abs() < 1e-15);
 }

@@ -69,7 +69,7 @@ fn measure<const D: usize>(
 
 fn leg<const D: usize>(from: [f64; D], to: [f64; D]) -> Leg<D> {
     let curve = Curve::Line { from: from.into(), to: to.into(), heading: 0.0, turned: 0.0 };
-    Leg { curve, junction: None, rule: None }
+    Leg { curve, junction: None, rule: None, rung: None }
 }
 
 /// Section 4's clearances per leg, from docs/method.md 4, measured in four ways.

@@ -13,7 +13,7 @@ use crate::motion::{Curve, Leg, wrapped};
 fn ends(leg: &Leg<2>) -> [(Vector<2>, f64); 2] {
     match leg.curve {
         Curve::Line { from, to, heading, turned } => [(from, heading - turned), (to, heading)],
-        Curve::Arc { center, radius, start_angle, sweep } => [start_angle, start_angle + sweep]
+        Curve::Arc { center, radius, start_angle, sweep, .. } => [start_angle, start_angle + sweep]
             .map(|angle| {
                 let heading = angle + std::f64::consts::FRAC_PI_2.copysign(sweep);
                 (center + unit(angle) * radius, heading)

@@ -68,7 +68,9 @@ fn check_corner(scene: &Scene, path: &DrivingPath, corner: usize, gap: f64, row:
     let [line, arc] = legs.as_slice() else { panic!("{legs:?}") };
     close(line.curve.length(), number(row, "line_in"));
     close(arc.curve.length(), number(row, "arc"));
-    let Curve::Arc { center, radius, start_angle, sweep } = arc.curve else { panic!("{arc:?}") };
+    let Curve::Arc { center, radius, start_angle, sweep, .. } = arc.curve else {
+        panic!("{arc:?}")
+    };
     close(radius, gap + 0.5);
     close(sweep, rule.turn.factor() * number(row, "sweep"));
     for (name, angle) in [("ma", start_angle), ("ml", start_angle + sweep)] {

@@ -179,7 +179,7 @@ fn points(curve: &Curve<2>) -> Vec<Vector<2>> {
             let part = index as f64 / count as f64;
             match curve {
                 Curve::Line { from, to, .. } => from + (to - from) * part,
-                Curve::Arc { center, radius, start_angle, sweep } => {
+                Curve::Arc { center, radius, start_angle, sweep, .. } => {
                     center + unit(start_angle + sweep * part) * *radius
                 }
                 Curve::Turn { position, .. } => *position,
