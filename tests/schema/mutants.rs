@@ -19,11 +19,15 @@ pub struct Change {
 enum Operation {
     /// Puts the value in place of what is there.
     Replace,
+    /// Puts null in place of what is there.
+    Erase,
+    /// Adds a field with the name that is null.
+    AddNull,
     /// Puts a copy of another part of the document in place of what is there.
     Move,
     /// Removes a field or an entry.
     Remove,
-    /// Adds a field with the name and the value, or an entry.
+    /// Adds a field with the name and the value.
     Add,
     /// Gives a field the name.
     Rename,
@@ -33,8 +37,9 @@ enum Operation {
 
 /// One to three changes. Fields that are added or renamed have one of these names.
 pub fn changes(names: &'static [&'static str]) -> impl Strategy<Value = Vec<Change>> {
-    use Operation::{Add, Move, Remove, Rename, Repeat, Replace};
-    let operation = select(&[Replace, Replace, Move, Remove, Add, Rename, Repeat][..]);
+    use Operation::{Add, AddNull, Erase, Move, Remove, Rename, Repeat, Replace};
+    let operation =
+        select(&[Replace, Replace, Erase, AddNull, Move, Remove, Add, Rename, Repeat][..]);
     let change = (any::<Index>(), any::<Index>(), operation, select(values()), select(names));
     let change = change.prop_map(|(place, entry, operation, value, name)| Change {
         place,
@@ -73,16 +78,27 @@ fn values() -> Vec<Value> {
 /// The value after the changes.
 pub fn mutant(mut document: Value, changes: &[Change]) -> Value {
     for change in changes {
-        let places = count(&document);
-        let other = at(&mut document, change.entry.index(places)).clone();
-        let place = at(&mut document, change.place.index(places));
+        let places = count(&document, false);
+        let other = at(&mut document, change.entry.index(places), false).clone();
+        // Coordinates are the most of a document: fields are added where there can be some.
+        let objects = match change.operation {
+            Operation::Add | Operation::AddNull | Operation::Rename => count(&document, true),
+            _ => 0,
+        };
+        let place = match objects {
+            0 => at(&mut document, change.place.index(places), false),
+            _ => at(&mut document, change.place.index(objects), true),
+        };
         match (change.operation, place) {
             (Operation::Replace, place) => *place = change.value.clone(),
+            (Operation::Erase, place) => *place = Value::Null,
             (Operation::Move, place) => *place = other,
             (Operation::Add, Value::Object(fields)) => {
                 fields.insert(change.name.to_owned(), change.value.clone());
             }
-            (Operation::Add, Value::Array(list)) => list.push(change.value.clone()),
+            (Operation::AddNull, Value::Object(fields)) => {
+                fields.entry(change.name).or_insert(Value::Null);
+            }
             (Operation::Remove, Value::Object(fields)) => {
                 remove(fields, change.entry);
             }
@@ -108,31 +124,34 @@ fn remove(fields: &mut Map<String, Value>, which: Index) -> Option<Value> {
     (!names.is_empty()).then(|| fields.remove(which.get(&names)).expect("it is there"))
 }
 
-/// How many values there are in a document, itself included.
-fn count(value: &Value) -> usize {
+/// How many values there are in a document, itself included; with `objects` only objects count.
+fn count(value: &Value, objects: bool) -> usize {
     let inside: usize = match value {
-        Value::Array(list) => list.iter().map(count).sum(),
-        Value::Object(fields) => fields.values().map(count).sum(),
+        Value::Array(list) => list.iter().map(|value| count(value, objects)).sum(),
+        Value::Object(fields) => fields.values().map(|value| count(value, objects)).sum(),
         _ => 0,
     };
-    1 + inside
+    inside + usize::from(!objects || value.is_object())
 }
 
-/// The value with this number in a document; itself has 0.
-fn at(value: &mut Value, number: usize) -> &mut Value {
-    if number == 0 {
-        return value;
+/// The value with this number among those that count, from 0.
+fn at(value: &mut Value, number: usize, objects: bool) -> &mut Value {
+    let mut left = number;
+    if !objects || value.is_object() {
+        match left.checked_sub(1) {
+            None => return value,
+            Some(inside) => left = inside,
+        }
     }
     let inside: Vec<&mut Value> = match value {
         Value::Array(list) => list.iter_mut().collect(),
         Value::Object(fields) => fields.values_mut().collect(),
         _ => Vec::new(),
     };
-    let mut left = number - 1;
     for value in inside {
-        let here = count(value);
+        let here = count(value, objects);
         if left < here {
-            return at(value, left);
+            return at(value, left, objects);
         }
         left -= here;
     }
