@@ -306,13 +306,13 @@ pub fn route(
 }
 
 /// The signed angle from one heading to another by the shorter turn; half a turn goes left.
-fn shortest_turn(from: f64, to: f64) -> f64 {
+pub(crate) fn shortest_turn(from: f64, to: f64) -> f64 {
     let turn = wrapped(to - from);
     if turn <= -PI + SAME_HEADING { turn + TAU } else { turn }
 }
 
 /// Headings that differ by no more than this count as equal, radians.
-const SAME_HEADING: f64 = 1e-12;
+pub(crate) const SAME_HEADING: f64 = 1e-12;
 
 #[cfg(test)]
 mod tests;

@@ -8,6 +8,7 @@ use crate::budget::{Budget, Spent};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use thiserror::Error;
 
+pub mod floor;
 pub mod graph;
 pub mod solids;
 pub mod walls;

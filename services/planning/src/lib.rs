@@ -24,6 +24,7 @@
 //! takes place in (x, z), driving in (x, y), and everything in three dimensions in (x, y, z);
 //! coordinates are in that order.
 
+pub mod any_angle;
 pub mod budget;
 pub mod clearance;
 pub mod disassembly;

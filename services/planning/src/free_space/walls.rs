@@ -141,6 +141,33 @@ impl<const D: usize> Walls<D> {
         Ok(())
     }
 
+    /// Calls `visit` with at least every wall within `reach` of a segment, until it returns
+    /// false; in an order that depends on the walls only.
+    pub(crate) fn near_line(
+        &self,
+        segment: (&Vector<D>, &Vector<D>),
+        reach: f64,
+        budget: &Budget<'_>,
+        mut visit: impl FnMut(usize, &Wall<D>) -> bool,
+    ) -> Result<(), Spent> {
+        if !self.tree.is_empty() {
+            let visit = |index: usize| visit(index, &self.walls[index]);
+            return self.tree.visit_along(segment, reach, budget, visit);
+        }
+        budget.step(self.walls.len() as u64)?;
+        let margin = Vector::repeat(reach);
+        let low = segment.0.inf(segment.1) - margin;
+        let high = segment.0.sup(segment.1) + margin;
+        for (index, wall) in self.walls.iter().enumerate() {
+            let (min, max) = wall.bounds();
+            let is_far = (0..D).any(|axis| max[axis] < low[axis] || high[axis] < min[axis]);
+            if !is_far && !visit(index, wall) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Calls `visit` once with at least every wall that is as near to the box from `min` to
     /// `max` as the distance that `visit` returned last.
     pub fn nearest(

@@ -158,6 +158,47 @@ impl<const D: usize> BoxTree<D> {
         Ok(())
     }
 
+    /// Calls `visit` with the index of at least every box within `reach` (metres) of the segment
+    /// from `from` to `to`, until it returns false. Every box or group looked at is a step.
+    pub fn visit_along(
+        &self,
+        segment: (&Vector<D>, &Vector<D>),
+        reach: f64,
+        budget: &Budget<'_>,
+        mut visit: impl FnMut(usize) -> bool,
+    ) -> Result<(), Spent> {
+        let Some(top) = self.levels.len().checked_sub(1) else { return Ok(()) };
+        let along = Along::new(segment, reach);
+        if along.comes_near(self.node(top, 0)) {
+            self.descend_along(top, 0, &along, budget, &mut visit)?;
+        }
+        Ok(())
+    }
+
+    /// Returns whether to go on.
+    fn descend_along(
+        &self,
+        level: usize,
+        place: usize,
+        along: &Along<D>,
+        budget: &Budget<'_>,
+        visit: &mut impl FnMut(usize) -> bool,
+    ) -> Result<bool, Spent> {
+        if level == 0 {
+            return Ok(visit(self.order[place].1 as usize));
+        }
+        let children = self.children(level, place);
+        budget.step(children.len() as u64)?;
+        for child in children {
+            if along.comes_near(self.node(level - 1, child))
+                && !self.descend_along(level - 1, child, along, budget, visit)?
+            {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     /// Calls `visit` with the indices of every two boxes whose interiors meet, each pair once,
     /// until it fails; all boxes must have an interior. Comparing two boxes or groups is a step.
     ///
@@ -255,6 +296,45 @@ impl<const D: usize> BoxTree<D> {
     ) -> f64 {
         let (low, high) = self.node(level, place);
         distance_squared_box_box((low, high), (min, max))
+    }
+}
+
+/// A segment with what is near it: its bounding box, and the lines on both sides of it in each
+/// plane of two axes.
+struct Along<const D: usize> {
+    low: Vector<D>,
+    high: Vector<D>,
+    middle: Vector<D>,
+    way: Vector<D>,
+    /// `reach` times the length of `way` in the first two coordinates.
+    reach: f64,
+}
+
+impl<const D: usize> Along<D> {
+    fn new((from, to): (&Vector<D>, &Vector<D>), reach: f64) -> Self {
+        let way = to - from;
+        let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
+        let margin = Vector::repeat(reach);
+        Self {
+            low: from.inf(to) - margin,
+            high: from.sup(to) + margin,
+            middle: (from + to) / 2.0,
+            way,
+            reach: reach * length,
+        }
+    }
+
+    /// Whether a box may be within reach: it is not if a side of a box or a parallel to the
+    /// segment separates them.
+    fn comes_near(&self, (min, max): &Bounds<D>) -> bool {
+        if (0..D).any(|axis| max[axis] < self.low[axis] || min[axis] > self.high[axis]) {
+            return false;
+        }
+        let (center, half) = ((min + max) / 2.0 - self.middle, (max - min) / 2.0);
+        let across = self.way[0] * center[1] - self.way[1] * center[0];
+        let extent = self.way[0].abs() * half[1] + self.way[1].abs() * half[0];
+        // Generous by rounding.
+        across.abs() <= (extent + self.reach) * (1.0 + 1e-9)
     }
 }
 

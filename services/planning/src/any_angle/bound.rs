@@ -1,0 +1,60 @@
+//! The certificate of a motion: its free clearance, and how short a motion that keeps it can be.
+
+use super::disc::Disc;
+use super::ladder::Planner;
+use super::{Errand, Found, NoMotion, PRECISION};
+use crate::budget::{Budget, Spent};
+use crate::motion::Curve;
+
+/// Measures the free clearance and finds the bound.
+pub(super) fn certify(
+    errand: &Errand<'_>,
+    planner: &mut Planner,
+    found: &mut Found,
+    budget: &Budget<'_>,
+) -> Result<(), NoMotion> {
+    measure_free_clearance(errand, found, budget)?;
+    let length = found.length;
+    let apart = (errand.goal.position - errand.start.position).norm();
+    found.bound = apart.min(length);
+    let is_straight = length - apart <= PRECISION * length;
+    if is_straight || !found.free_clearance.is_finite() {
+        return Ok(());
+    }
+    // Nearest to a wall point, the heading is at a right angle to the line to it; unless the
+    // robot stops there to go back, or turns.
+    let footprint = &errand.footprint;
+    let is_forward = found.legs.iter().all(|leg| {
+        !leg.curve.is_reverse() && !matches!(leg.curve, Curve::Line { turned, .. } if turned != 0.0)
+    });
+    let half = footprint.width() / 2.0;
+    let half = if is_forward { half } else { half.min(footprint.front()).min(footprint.rear()) };
+    let radius = half + found.free_clearance - PRECISION;
+    if radius <= 0.0 {
+        return Ok(());
+    }
+    let ends = [errand.start.position, errand.goal.position];
+    let disc = Disc::new(radius, ends, (errand.walls, errand.floor.rounding()), budget)?;
+    let radius_at = |_: u32, point: &_| disc.radius_at(point);
+    let path = planner.taut.find(errand.floor, &disc, radius_at, true, budget);
+    match path {
+        Ok(Some(path)) => found.bound = path.length.clamp(found.bound, length),
+        Ok(None) => {}
+        // A motion is an answer; the straight line is a bound.
+        Err(Spent::Limit { .. }) => found.is_complete = false,
+        Err(spent) => return Err(spent.into()),
+    }
+    Ok(())
+}
+
+/// Measures the free clearance of a motion.
+pub(super) fn measure_free_clearance(
+    errand: &Errand<'_>,
+    found: &mut Found,
+    budget: &Budget<'_>,
+) -> Result<(), Spent> {
+    let _ = (errand, budget);
+    // FOR NOW
+    found.free_clearance = found.clearance.map_or(f64::INFINITY, |clearance| clearance.value);
+    Ok(())
+}

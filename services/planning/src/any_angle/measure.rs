@@ -1,0 +1,71 @@
+//! What a motion measures: length, clearance, and whether it touches a wall.
+
+use super::{CONTACT, Errand, Found};
+use crate::budget::{Budget, Spent};
+use crate::clearance::rectangle::{self, Met};
+use crate::geometry::Vector;
+use crate::motion::{Curve, Leg};
+
+/// Where a motion touches a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Contact {
+    /// The leg on which it does.
+    pub(super) leg: usize,
+    /// The wall point, metres; `None` where the robot must not turn in place.
+    pub(super) wall: Option<Vector<2>>,
+}
+
+/// Measures a motion leg by leg, up to the first contact.
+pub(super) fn measure(
+    errand: &Errand<'_>,
+    legs: Vec<Leg<2>>,
+    found: &mut Found,
+    budget: &Budget<'_>,
+) -> Result<Option<Contact>, Spent> {
+    found.legs = legs;
+    found.leg_clearances.clear();
+    let footprint = &errand.footprint;
+    let mut whole = Met::NOTHING;
+    let mut travelled = 0.0;
+    let mut guess = footprint.width().max(footprint.length());
+    for (index, leg) in found.legs.iter().enumerate() {
+        let met = rectangle::nearest(footprint, &leg.curve, errand.walls, guess, budget)?;
+        if met.value <= CONTACT {
+            return Ok(Some(Contact { leg: index, wall: Some(met.wall) }));
+        }
+        let length = leg.curve.length();
+        whole.offer(met.value, travelled + met.along * length, met.wall);
+        found.leg_clearances.push(met.value);
+        travelled += length;
+        guess = rectangle::next_guess(&met, guess);
+    }
+    found.length = travelled;
+    found.clearance = whole.clearance();
+    Ok(None)
+}
+
+/// What a motion costs: its length, the angle turned in place, and the stops on the way.
+pub(super) fn cost(errand: &Errand<'_>, legs: &[Leg<2>]) -> f64 {
+    let mut cost = 0.0;
+    let mut was_reverse = None;
+    for (index, leg) in legs.iter().enumerate() {
+        cost += leg.curve.length();
+        match leg.curve {
+            Curve::Turn { sweep, .. } => {
+                cost += errand.costs.turn * sweep.abs();
+                if 0 < index && index + 1 < legs.len() {
+                    cost += errand.costs.stop;
+                }
+                was_reverse = None;
+            }
+            _ => {
+                let is_reverse = leg.curve.is_reverse();
+                if was_reverse.is_some_and(|was| was != is_reverse) {
+                    cost += errand.costs.stop;
+                }
+                was_reverse = Some(is_reverse);
+            }
+        }
+    }
+    cost
+}

@@ -1,0 +1,616 @@
+//! The shortest path of a disc: straight lines and arcs about the corners of a floor.
+//!
+//! A search in the manner of Polyanya (Cui, Harabor, Grastien, "Compromise-free Pathfinding on a
+//! Navigation Mesh", 2017), from points to circles: what a node is rooted at is a guiding circle
+//! run around in one sense, and the next line is a common tangent of two of them
+//! (`docs/method.md`, section 5).
+//!
+//! Which corners a line from a circle can lead to: those that are seen, as points, from its
+//! centre. For if a tangent keeps its distance from all walls, then so does the strip between it
+//! and the line of centres, which therefore crosses no wall. What is seen is found junction by
+//! junction with exact predicates; each tangent and arc is then checked against all walls near it.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::disc::{Disc, FreeArc, distance_to, turned};
+use super::sight::{Sight, way_through};
+use crate::budget::{Budget, Cap, Held, Spent};
+use crate::driving::tangent::{Circle, Tangent, tangent};
+use crate::free_space::floor::{Floor, NONE, Reflex};
+use crate::free_space::walls::Wall;
+use crate::geometry::distance::cross;
+use crate::geometry::{Vector, rotated, unit};
+
+/// Steps of the budget that looking through a junction takes.
+const STEPS_PER_SIGHT: u64 = 15;
+
+/// Turns backwards by no more than this count as none, radians.
+const STRAIGHT: f64 = 1e-9;
+
+/// A path of straight lines and arcs: a line to each circle, an arc around it, and a last line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TautPath {
+    /// The circles in travel order, with the line that leads to each.
+    pub(super) turns: Vec<TautTurn>,
+    /// The line to the goal.
+    pub(super) last: Tangent,
+    /// Metres.
+    pub(super) length: f64,
+}
+
+/// A circle that the path runs around.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TautTurn {
+    /// The vertex of the floor at its centre.
+    pub(super) vertex: u32,
+    pub(super) circle: Circle,
+    /// The line that leads to it.
+    pub(super) arrival: Tangent,
+    /// The angle run around it, radians, in the sense of the circle.
+    pub(super) sweep: f64,
+}
+
+/// Where the next line leaves from.
+#[derive(Debug, Clone, Copy)]
+struct Root {
+    /// The vertex that the path turns about; `NONE` at the start.
+    vertex: u32,
+    circle: Circle,
+    /// The line that leads there; at the start it has no length.
+    arrival: Tangent,
+    /// The length of the path at the end of that line, metres.
+    length: f64,
+    /// How far the circle can be run around, radians, and the direction there.
+    most_sweep: f64,
+    last_direction: Vector<2>,
+    /// The angle run around the circle before, radians.
+    sweep_before: f64,
+    before: u32,
+    /// Another root with the same vertex and sense.
+    same: u32,
+}
+
+/// What is next.
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    /// A look through a junction.
+    Look(Sight),
+    /// A line to the circle about a vertex, after this sweep about the root, and where the arc
+    /// ends that it leads to.
+    Turn { vertex: u32, circle: Circle, line: Tangent, sweep: f64, end: Vector<2> },
+    /// A line to the goal.
+    Finish { line: Tangent, sweep: f64 },
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    /// No path that goes on from here is shorter, metres.
+    least: f64,
+    /// Index of its step; ties are taken in this order.
+    step: u32,
+}
+
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Entry {}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Entry {
+    /// The least first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.least.total_cmp(&self.least).then(other.step.cmp(&self.step))
+    }
+}
+
+/// A search in memory that is used again.
+#[derive(Debug, Default)]
+pub(super) struct TautSearch {
+    heap: BinaryHeap<Entry>,
+    /// Each with its root.
+    steps: Vec<(u32, Step)>,
+    roots: Vec<Root>,
+    /// For each vertex and sense, the last root there.
+    last_root: Vec<u32>,
+    /// Vertices with roots, to be reset.
+    touched: Vec<u32>,
+    goal_faces: Vec<u32>,
+    arcs: ArcMemo,
+}
+
+/// The free arcs about corners that have been looked at. They are kept from one search to the
+/// next; a search that finds some draws from its budget what making them has drawn.
+#[derive(Debug, Default)]
+struct ArcMemo {
+    /// For which radius they are; `None`: for the last search alone.
+    radius: Option<f64>,
+    /// Counts searches.
+    search: u32,
+    at: Vec<CornerArcs>,
+    arcs: Vec<FreeArc>,
+}
+
+/// Where the arcs of a vertex are.
+#[derive(Debug, Clone, Copy)]
+struct CornerArcs {
+    /// Index of the first; `NONE` if they have not been made.
+    first: u32,
+    count: u32,
+    /// Steps that they took.
+    steps: u32,
+    /// The last search that looked at them.
+    search: u32,
+}
+
+impl ArcMemo {
+    const UNKNOWN: CornerArcs = CornerArcs { first: NONE, count: 0, steps: 0, search: 0 };
+
+    /// Begins a search; with a radius, for arcs that depend on it alone.
+    fn begin(&mut self, vertices: usize, radius: Option<f64>) {
+        let keeps = radius.is_some() && self.radius == radius && self.at.len() == vertices;
+        self.search = self.search.wrapping_add(1);
+        if !keeps || self.search == 0 {
+            self.search = 1;
+            self.arcs.clear();
+            self.at.clear();
+            self.at.resize(vertices, Self::UNKNOWN);
+        }
+        self.radius = radius;
+    }
+
+    fn bytes(&self) -> usize {
+        self.at.capacity() * size_of::<CornerArcs>() + self.arcs.capacity() * size_of::<FreeArc>()
+    }
+}
+
+impl TautSearch {
+    /// Memory held, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.heap.capacity() * size_of::<Entry>()
+            + self.steps.capacity() * size_of::<(u32, Step)>()
+            + self.roots.capacity() * size_of::<Root>()
+            + self.arcs.bytes()
+            + (self.last_root.capacity() + self.touched.capacity()) * size_of::<u32>()
+    }
+
+    /// The shortest path of a disc from its start to its goal that turns about each corner with
+    /// the radius that `radius_at` says; `None` if there is none.
+    ///
+    /// `is_even`: wherever the disc keeps its radius, that is what `radius_at` says.
+    pub(super) fn find(
+        &mut self,
+        floor: &Floor,
+        disc: &Disc<'_>,
+        radius_at: impl Fn(u32, &Vector<2>) -> f64,
+        is_even: bool,
+        budget: &Budget<'_>,
+    ) -> Result<Option<TautPath>, Spent> {
+        self.clear(floor);
+        let radius = (is_even && disc.is_even()).then_some(disc.radius);
+        self.arcs.begin(floor.vertex_count(), radius);
+        let mut run = Run { search: self, floor, disc, radius_at, budget };
+        if disc.start == disc.goal {
+            return Ok(Some(TautPath { turns: Vec::new(), last: at_rest(disc.goal), length: 0.0 }));
+        }
+        let found = run.run()?;
+        Ok(found.map(|(root, line, sweep)| self.path(root, line, sweep)))
+    }
+
+    /// To be called before a search on another floor.
+    pub(super) fn forget(&mut self) {
+        self.arcs.radius = None;
+    }
+
+    fn clear(&mut self, floor: &Floor) {
+        self.heap.clear();
+        self.roots.clear();
+        self.steps.clear();
+        for vertex in self.touched.drain(..) {
+            self.last_root[2 * vertex as usize] = NONE;
+            self.last_root[2 * vertex as usize + 1] = NONE;
+        }
+        if self.last_root.len() < 2 * floor.vertex_count() {
+            self.last_root.resize(2 * floor.vertex_count(), NONE);
+        }
+    }
+
+    fn path(&self, root: u32, last: Tangent, sweep: f64) -> TautPath {
+        let mut turns = Vec::new();
+        let (mut at, mut sweep) = (root, sweep);
+        let mut length = last.length;
+        while let Some(root) = self.roots.get(at as usize)
+            && root.vertex != NONE
+        {
+            length += root.arrival.length + root.circle.signed_radius.abs() * sweep;
+            turns.push(TautTurn {
+                vertex: root.vertex,
+                circle: root.circle,
+                arrival: root.arrival,
+                sweep,
+            });
+            (at, sweep) = (root.before, root.sweep_before);
+        }
+        turns.reverse();
+        TautPath { turns, last, length }
+    }
+}
+
+/// A line of no length.
+fn at_rest(point: Vector<2>) -> Tangent {
+    Tangent { from: point, to: point, direction: Vector::from([1.0, 0.0]), length: 0.0 }
+}
+
+struct Run<'a, R> {
+    search: &'a mut TautSearch,
+    floor: &'a Floor,
+    disc: &'a Disc<'a>,
+    radius_at: R,
+    budget: &'a Budget<'a>,
+}
+
+impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
+    fn run(&mut self) -> Result<Option<(u32, Tangent, f64)>, Spent> {
+        let Self { floor, disc, budget, .. } = *self;
+        let mut held = Held::new(budget, 0)?;
+        self.search.goal_faces = floor.faces_around(&disc.goal, budget)?;
+        let faces = floor.faces_around(&disc.start, budget)?;
+        self.search.roots.push(Root {
+            vertex: NONE,
+            circle: Circle { center: disc.start, signed_radius: 0.0 },
+            arrival: at_rest(disc.start),
+            length: 0.0,
+            most_sweep: 0.0,
+            last_direction: Vector::zeros(),
+            sweep_before: 0.0,
+            before: NONE,
+            same: NONE,
+        });
+        for index in faces {
+            let face = floor.face(index);
+            for vertex in face.vertices {
+                self.offer_turns(0, vertex)?;
+            }
+            if self.search.goal_faces.contains(&index) {
+                self.offer_goal(0);
+            }
+            for sight in Sight::from_face(floor, &disc.start, face, index) {
+                self.offer_sight(0, sight);
+            }
+        }
+        while let Some(entry) = self.search.heap.pop() {
+            budget.step(STEPS_PER_SIGHT)?;
+            let (root, step) = self.search.steps[entry.step as usize];
+            match step {
+                Step::Look(sight) => self.look(root, sight)?,
+                Step::Turn { vertex, circle, line, sweep, end } => {
+                    self.turn(root, (vertex, circle), line, sweep, &end)?;
+                }
+                Step::Finish { line, sweep } => {
+                    if disc.is_clear((&line.from, &line.to), budget)? {
+                        return Ok(Some((root, line, sweep)));
+                    }
+                }
+            }
+            held.resize(
+                self.search.steps.len() * size_of::<(u32, Step)>()
+                    + self.search.roots.len() * size_of::<Root>(),
+            )?;
+        }
+        Ok(None)
+    }
+
+    /// Looks through a junction: on to the next ones, and to the vertex beyond.
+    fn look(&mut self, root: u32, sight: Sight) -> Result<(), Spent> {
+        let Self { floor, budget, .. } = *self;
+        let mut sight = sight;
+        loop {
+            let center = self.search.roots[root as usize].circle.center;
+            let face = floor.face(sight.face);
+            if sight.narrow == NONE
+                && self.search.goal_faces.contains(&sight.face)
+                && sight.shows(floor, &center, &self.disc.goal)
+            {
+                self.offer_goal(root);
+            }
+            let (further, sees_apex) = sight.further(floor, &center);
+            if sees_apex && self.is_within_reach(&sight, &floor.vertex(sight.apex(face))) {
+                self.offer_turns(root, sight.apex(face))?;
+            }
+            match further {
+                // Straight on, without a detour through the heap.
+                [Some(only), None] | [None, Some(only)] => {
+                    let mut only = only;
+                    let Some(least) = self.least(root, &mut only) else { return Ok(()) };
+                    if self.search.heap.peek().is_some_and(|next| next.least < least) {
+                        self.push(least, root, Step::Look(only));
+                        return Ok(());
+                    }
+                    budget.step(STEPS_PER_SIGHT)?;
+                    sight = only;
+                }
+                both => {
+                    for sight in both.into_iter().flatten() {
+                        self.offer_sight(root, sight);
+                    }
+                    return Ok(());
+                }
+            }
+        }
+    }
+
+    /// Takes up a line to a circle, unless a wall is in the way or the circle has been reached
+    /// by a way that is as good.
+    fn turn(
+        &mut self,
+        from: u32,
+        (vertex, circle): (u32, Circle),
+        line: Tangent,
+        sweep: f64,
+        end: &Vector<2>,
+    ) -> Result<(), Spent> {
+        let Self { floor, disc, budget, .. } = *self;
+        let length = self.length_to(from, &line, sweep);
+        let sense = circle.signed_radius.signum();
+        let radius = circle.signed_radius.abs();
+        let slot = slot(vertex, sense);
+        if self.is_beaten(slot, &line.direction, length, sense) {
+            return Ok(());
+        }
+        let Some(corner) = floor.corner(vertex) else { return Ok(()) };
+        let normal = contact_normal(&line.direction, sense);
+        if !disc.is_clear((&line.from, &line.to), budget)? {
+            return Ok(());
+        }
+        let mut most_sweep = turned(&normal, end, sense).max(0.0);
+        // From where another way joins the circle, that one is shorter.
+        let mut other = self.search.last_root[slot];
+        while let Some(known) = self.search.roots.get(other as usize) {
+            let angle = turned(&line.direction, &known.arrival.direction, sense);
+            if angle > 0.0 && length + radius * angle >= known.length {
+                most_sweep = most_sweep.min(angle);
+            }
+            other = known.same;
+        }
+        let search = &mut *self.search;
+        let index = search.roots.len() as u32;
+        search.roots.push(Root {
+            vertex,
+            circle,
+            arrival: line,
+            length,
+            most_sweep,
+            last_direction: rotated(&line.direction, &unit(sense * most_sweep)),
+            sweep_before: sweep,
+            before: from,
+            same: search.last_root[slot],
+        });
+        if search.last_root[slot ^ 1] == NONE && search.last_root[slot] == NONE {
+            search.touched.push(vertex);
+        }
+        search.last_root[slot] = index;
+        self.look_around(index, corner, budget)
+    }
+
+    /// Looks in all directions of a corner's free sector.
+    fn look_around(
+        &mut self,
+        root: u32,
+        corner: &Reflex,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        let floor = self.floor;
+        let Root { vertex, circle, .. } = self.search.roots[root as usize];
+        let mut index = corner.first;
+        loop {
+            budget.step(STEPS_PER_SIGHT)?;
+            let face = floor.face(index);
+            let Some(at) = face.index_of(vertex) else { return Ok(()) };
+            if index == corner.first {
+                self.offer_turns(root, face.vertices[(at + 1) % 3])?;
+            }
+            self.offer_turns(root, face.vertices[(at + 2) % 3])?;
+            if self.search.goal_faces.contains(&index) {
+                self.offer_goal(root);
+            }
+            for sight in Sight::from_face(floor, &circle.center, face, index) {
+                self.offer_sight(root, sight);
+            }
+            match face.beyond((at + 2) % 3) {
+                Some(next) if next != corner.first => index = next,
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    /// Whether a way that is as good as this one leads to the same circle.
+    fn is_beaten(&self, slot: usize, arrival: &Vector<2>, length: f64, sense: f64) -> bool {
+        let mut other = self.search.last_root[slot];
+        while let Some(known) = self.search.roots.get(other as usize) {
+            let angle = turned(&known.arrival.direction, arrival, sense);
+            let over = known.circle.signed_radius.abs() * angle.max(0.0);
+            if angle >= -STRAIGHT
+                && angle <= known.most_sweep + STRAIGHT
+                && known.length + over <= length + self.disc.rounding
+            {
+                return true;
+            }
+            other = known.same;
+        }
+        false
+    }
+
+    /// Offers the lines to the circle about a vertex, run around in either sense.
+    fn offer_turns(&mut self, root: u32, vertex: u32) -> Result<(), Spent> {
+        let floor = self.floor;
+        let Some(corner) = floor.corner(vertex) else { return Ok(()) };
+        let center = floor.vertex(vertex);
+        let radius = (self.radius_at)(vertex, &center);
+        let (first, count) = self.arcs_of(vertex, corner, (&center, radius))?;
+        if count == 0 {
+            return Ok(());
+        }
+        for sense in [1.0, -1.0] {
+            let circle = Circle { center, signed_radius: sense * radius };
+            let from = &self.search.roots[root as usize].circle;
+            let Some(line) = tangent(from, &circle) else { continue };
+            let normal = contact_normal(&line.direction, sense);
+            let arcs = &self.search.arcs.arcs[first as usize..][..count as usize];
+            let Some(arc) = arcs.iter().find(|arc| arc.holds(&normal, STRAIGHT)) else { continue };
+            let end = arc.ends[usize::from(sense > 0.0)];
+            let Some(sweep) = self.sweep_to(root, &line) else { continue };
+            let length = self.length_to(root, &line, sweep);
+            if self.is_beaten(slot(vertex, sense), &line.direction, length, sense) {
+                continue;
+            }
+            let least = length + (self.disc.goal - line.to).norm();
+            self.push(least, root, Step::Turn { vertex, circle, line, sweep, end });
+        }
+        Ok(())
+    }
+
+    /// The free arcs about a vertex: where they begin, and how many there are.
+    fn arcs_of(
+        &mut self,
+        vertex: u32,
+        corner: &Reflex,
+        circle: (&Vector<2>, f64),
+    ) -> Result<(u32, u32), Spent> {
+        let ArcMemo { search, at, arcs, .. } = &mut self.search.arcs;
+        let known = &mut at[vertex as usize];
+        if known.first == NONE {
+            let first = arcs.len();
+            let before = self.budget.drawn(Cap::Steps);
+            self.disc.free_arcs(circle, &corner.normals, arcs, self.budget)?;
+            let steps = self.budget.drawn(Cap::Steps) - before;
+            *known = CornerArcs {
+                first: first as u32,
+                count: (arcs.len() - first) as u32,
+                steps: u32::try_from(steps).unwrap_or(u32::MAX),
+                search: *search,
+            };
+        } else if known.search != *search {
+            known.search = *search;
+            self.budget.step(u64::from(known.steps))?;
+        }
+        Ok((known.first, known.count))
+    }
+
+    fn offer_goal(&mut self, root: u32) {
+        let goal = Circle { center: self.disc.goal, signed_radius: 0.0 };
+        let line = tangent(&self.search.roots[root as usize].circle, &goal);
+        if let Some(line) = line
+            && let Some(sweep) = self.sweep_to(root, &line)
+        {
+            let least = self.length_to(root, &line, sweep);
+            self.push(least, root, Step::Finish { line, sweep });
+        }
+    }
+
+    fn offer_sight(&mut self, root: u32, sight: Sight) {
+        let mut sight = sight;
+        if let Some(least) = self.least(root, &mut sight) {
+            self.push(least, root, Step::Look(sight));
+        }
+    }
+
+    /// Whether a line that touches a vertex can be meant: beyond a junction too narrow for the
+    /// disc, only where the disc touches it before the junction.
+    fn is_within_reach(&self, sight: &Sight, point: &Vector<2>) -> bool {
+        sight.narrow == NONE
+            || (self.floor.vertex(sight.narrow) - point).norm() <= 5.0 * self.disc.radius
+    }
+
+    /// No path from a root on through what is seen is shorter; `None` if none leads there.
+    fn least(&self, index: u32, sight: &mut Sight) -> Option<f64> {
+        let root = &self.search.roots[index as usize];
+        let center = root.circle.center;
+        let window = sight.window(self.floor, &center);
+        let most = self.disc.radius;
+        if sight.narrow == NONE {
+            let ends = sight.ends(self.floor.face(sight.face));
+            let [right, left] = ends.map(|end| self.floor.vertex(end));
+            let width = (left - right).norm();
+            if width < 2.0 * most
+                && width
+                    < self.disc.radius_at(&right) + self.disc.radius_at(&left)
+                        - 2.0 * self.disc.rounding
+                && distance_to(&Wall { from: right, to: left }, &center) >= 3.0 * most
+            {
+                sight.narrow = ends[0];
+            }
+        } else {
+            let near = self.floor.vertex(sight.narrow);
+            if distance_to(&Wall { from: window[0], to: window[1] }, &near) > 5.0 * most {
+                return None;
+            }
+        }
+        let own = root.circle.signed_radius;
+        if root.vertex != NONE {
+            // A line to the other side of a circle leads at most two radii to the side.
+            let sense = own.signum();
+            let left = |direction: &Vector<2>, point: &Vector<2>| {
+                sense * cross(direction, &(point - center))
+            };
+            let first = &root.arrival.direction;
+            if window.iter().all(|point| left(first, point) < -2.0 * most) {
+                return None;
+            }
+            let last = &root.last_direction;
+            if window.iter().all(|point| left(last, point) > 0.0 && left(first, point) >= 0.0) {
+                return None;
+            }
+        }
+        let goal = &self.disc.goal;
+        // The line goes from circle to circle, not from centre to centre: at the same part of
+        // both, it is up to a radius beside the window, at a right angle, and it is shorter if it
+        // leads to the other side.
+        let apart = distance_to(&Wall { from: window[0], to: window[1] }, &center);
+        let across = own.abs() + most;
+        let inner = apart.max(across);
+        let shorter = most + (inner - (inner * inner - across * across).sqrt());
+        let way =
+            (way_through(&center, &window, goal) - shorter).max((goal - root.arrival.to).norm());
+        Some(root.length + way)
+    }
+
+    fn push(&mut self, least: f64, root: u32, step: Step) {
+        let index = self.search.steps.len() as u32;
+        self.search.steps.push((root, step));
+        self.search.heap.push(Entry { least, step: index });
+    }
+
+    /// The sweep about a root before a line; `None` if it can't be left in that direction.
+    fn sweep_to(&self, index: u32, line: &Tangent) -> Option<f64> {
+        let root = &self.search.roots[index as usize];
+        if root.vertex == NONE {
+            return Some(0.0);
+        }
+        let sense = root.circle.signed_radius.signum();
+        let sweep = turned(&root.arrival.direction, &line.direction, sense);
+        (sweep >= -STRAIGHT && sweep <= root.most_sweep + STRAIGHT).then_some(sweep.max(0.0))
+    }
+
+    /// The length of the path to the end of a line that leaves a root after a sweep, metres.
+    fn length_to(&self, index: u32, line: &Tangent, sweep: f64) -> f64 {
+        let root = &self.search.roots[index as usize];
+        root.length + root.circle.signed_radius.abs() * sweep + line.length
+    }
+}
+
+fn slot(vertex: u32, sense: f64) -> usize {
+    2 * vertex as usize + usize::from(sense < 0.0)
+}
+
+/// The direction from the corner that is touched to the centre of a disc that arrives.
+fn contact_normal(direction: &Vector<2>, sense: f64) -> Vector<2> {
+    Vector::<2>::new(sense * direction.y, -sense * direction.x)
+}
