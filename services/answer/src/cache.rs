@@ -75,6 +75,9 @@ pub(crate) enum Kind {
     ChannelsWalls,
     /// Solids, and the walls that they are.
     SolidsWalls,
+    /// The floor among the walls of channels, or of solids.
+    ChannelsFloor,
+    SolidsFloor,
 }
 
 /// Everything that an entry is made from, in words.
@@ -177,6 +180,13 @@ impl Cache {
         self.content.0.clear();
         self.content.word((kind as u64) << 8 | dimension as u64);
         &mut self.content
+    }
+
+    /// Looks for something else made from the same content.
+    pub(crate) fn describe_again(&mut self, kind: Kind, dimension: usize) {
+        if let Some(word) = self.content.0.first_mut() {
+            *word = (kind as u64) << 8 | dimension as u64;
+        }
     }
 
     /// What was made from the content described, or is made from it now.

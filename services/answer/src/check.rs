@@ -7,7 +7,7 @@ use planning::budget::Budget;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, Refusal, SceneRequest, Task};
+use schemas::message::{self, ErrorCode, Refusal, SceneRequest, Task};
 
 use crate::refuse::{self, Axes, Refused};
 
@@ -198,4 +198,14 @@ pub(crate) fn sampling(sampling: Option<message::Sampling>) -> Result<Sampling, 
         message::Sampling::Count(count) => Sampling::count(count),
     }
     .map_err(refuse::sampling)
+}
+
+/// Refuses a gap that is not positive.
+pub(crate) fn gap(field: &str, gap: f64) -> Result<(), Refusal> {
+    if gap > 0.0 && gap.is_finite() {
+        return Ok(());
+    }
+    let message = format!("{field}: a gap of {gap} m; it must be finite and greater than 0");
+    let refusal = Refusal { field: Some(field.to_owned()), ..Refusal::new(ErrorCode::GapOutOfRange, message) };
+    Err(Refusal { has: Some(gap), least: Some(0.0), ..refusal })
 }

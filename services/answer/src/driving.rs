@@ -9,7 +9,7 @@ use planning::geometry::Vector;
 use planning::route::{self, Judgement, Mover, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{ErrorCode, Refusal, SceneRequest};
+use schemas::message::{self, ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -19,9 +19,11 @@ use crate::refuse::{self, FLOOR, Refused};
 use crate::stop::StopFlag;
 use crate::wish::{Wish, Wishes};
 
+mod anywhere;
 mod course;
 mod errand;
 
+use anywhere::AnywhereJob;
 use course::{Course, KeptGap};
 use errand::Errand;
 
@@ -30,6 +32,7 @@ use errand::Errand;
 pub(crate) struct Driving {
     buffers: Buffers<2>,
     memory: Memory,
+    anywhere: anywhere::Memory,
 }
 
 #[derive(Debug, Default)]
@@ -68,9 +71,15 @@ impl Driving {
         stop: &StopFlag,
         parts: &mut Parts<'_, S>,
     ) -> Result<(), Stop<S::Error>> {
-        let Self { buffers, memory } = self;
+        let Self { buffers, memory, anywhere } = self;
         let errand = Errand::of(scene)?;
         let pace = Pace::of(scene, wishes, Stops::AtTurns)?;
+        if is_any_order(&scene.free_space) {
+            let budget = resources.budget;
+            let space = (&mut *buffers, &mut memory.complement);
+            let mut job = AnywhereJob::new(scene, (errand, pace), space, anywhere, resources)?;
+            return answer_each(&mut job, wishes, (budget, stop), parts);
+        }
         let size = [errand.footprint.width(), errand.footprint.length()];
         let mut source = Source::read(scene, &FLOOR, &size, buffers, &mut resources)?;
         let bounds = |cut: &Cut<'_, 2>| {
@@ -94,10 +103,19 @@ impl Driving {
 
     /// The memory that it holds, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { buffers, memory } = self;
+        let Self { buffers, memory, anywhere } = self;
         let Memory { complement, router, course, spare, profile } = memory;
         let courses = course.bytes() + spare.bytes();
-        buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
+        anywhere.bytes() + buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
+    }
+}
+
+/// Whether the robot may travel its free space in any order, right up to the walls.
+fn is_any_order(free_space: &message::FreeSpace) -> bool {
+    let has_solids = free_space.solids.as_ref().is_some_and(|solids| !solids.is_empty());
+    match &free_space.channels {
+        None => true,
+        Some(channels) => !free_space.in_order && channels.len() != 1 && !has_solids,
     }
 }
 

@@ -57,12 +57,12 @@ fn each(scene: &SceneRequest, count: u32) -> SceneRequest {
 }
 
 #[test]
-fn ways_without_number_are_bounded_in_memory() {
+fn ways_without_number_take_little_memory() {
     let caps = Caps { bytes: 4 << 20, ..Caps::default() };
     let [answer] = &answers(&crowd(200), &caps)[..] else { panic!("one answer") };
-    check_costly(answer, "bytes");
-    // With fewer of them there is a route.
-    assert!(answers(&crowd(20), &caps)[0].is_ok());
+    // The start and the goal are in sight of each other.
+    let length = answer.as_ref().expect("an answer").length;
+    assert!((length - 72_f64.sqrt()).abs() < 1e-12, "{length}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use answer::{Caps, StopFlag, Workspace};
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
-use schemas::message::{AxisBox, Choice, ClearanceWish, Gap, RequestKey, SceneRequest, Solid};
+use schemas::message::{FreeSpace, Goal, AxisBox, Choice, ClearanceWish, Gap, RequestKey, SceneRequest, Solid};
 use schemas::wire::{PART_CELLS, ReplyHeader, RequestHeader};
 
 /// Bytes allocated and not given back.
@@ -80,12 +80,16 @@ fn huge() -> Vec<SceneRequest> {
     in_order.free_space.channels = Some((0..10_000).map(channel).collect());
 
     let mut crowded = drive.clone();
-    crowded.free_space.in_order = false;
-    let channels = crowded.free_space.channels.as_mut().unwrap();
-    for index in 0..300 {
-        let by = f64::from(index) * 1e-3;
-        channels.push(AxisBox { min: [by, by].into(), max: [22.0 - by, 20.0 - by].into() });
-    }
+    let pillar = |index: i32| {
+        let at = [f64::from(index % 70) * 3.0 + 4.0, f64::from(index / 70) * 3.0 + 4.0];
+        Solid::Box(AxisBox { min: at.into(), max: at.map(|x| x + 1.0).into() })
+    };
+    crowded.free_space = FreeSpace {
+        solids: Some((0..4_900).map(pillar).collect()),
+        bounds: Some(AxisBox { min: [0.0, 0.0].into(), max: [220.0, 220.0].into() }),
+        ..FreeSpace::default()
+    };
+    crowded.goal = Some(Goal { position: [218.0, 218.0].into(), heading: None });
 
     let mut pillars = small();
     let solids = pillars.free_space.solids.as_mut().unwrap();

@@ -113,6 +113,14 @@ pub struct Found {
     pub is_complete: bool,
 }
 
+impl Found {
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> usize {
+        self.legs.capacity() * size_of::<Leg<2>>()
+            + self.leg_clearances.capacity() * size_of::<f64>()
+    }
+}
+
 /// Why there is no motion.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum NoMotion {
@@ -139,6 +147,10 @@ pub enum NoMotion {
     Enclosed {
         /// The goal rather than the start.
         at_goal: bool,
+        /// Where the walls are thinnest: points on both sides, metres.
+        across: [Vector<2>; 2],
+        /// How thick they are there, metres.
+        thickness: f64,
     },
     /// There is a way for a disc, and none was found for the rectangle.
     #[error("the robot touches a wall at ({}, {})", .wall.x, .wall.y)]
@@ -160,3 +172,6 @@ pub(crate) const CONTACT: f64 = 1e-12;
 
 /// Free clearances are found to this, metres.
 pub(crate) const PRECISION: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests;

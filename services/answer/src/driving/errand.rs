@@ -1,12 +1,17 @@
 //! What a robot is asked to do.
 
+use planning::any_angle;
+use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::driving::{Goal, Pose, StartTurn, limits};
-use planning::geometry::Vector;
+use planning::free_space::floor::Floor;
+use planning::free_space::walls::Walls;
+use planning::geometry::{AxisBox, Vector};
 use planning::route;
-use schemas::message::{self, Body, Refusal, SceneRequest};
+use schemas::message::{self, Body, ErrorCode, Refusal, SceneRequest};
 
 use crate::check;
+use crate::refuse::{self, Refused};
 
 /// The robot, where it stands and where it goes.
 #[derive(Debug, Clone, Copy)]
@@ -52,6 +57,56 @@ impl Errand {
                 Some(message::StartTurn::WhileMoving) => StartTurn::WhileMoving,
             },
         })
+    }
+
+    /// Refuses a start or a goal outside of the free space.
+    pub(super) fn check_inside(
+        &self,
+        scene: &SceneRequest,
+        channels: Option<&[AxisBox<2>]>,
+        walls: &Walls<2>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Refused> {
+        let ends = [
+            (ErrorCode::BodyOutsideFreeSpace, "start.position", self.start.position),
+            (ErrorCode::GoalOutsideFreeSpace, "goal.position", self.goal.position),
+        ];
+        for (code, field, position) in ends {
+            let outside = |what: &str| {
+                let refusal = Refusal::new(code, format!("{field} {what}"));
+                Refused::from(Refusal { field: Some(field.to_owned()), ..refusal }).whole()
+            };
+            if let Some(channels) = channels {
+                budget.step(channels.len() as u64)?;
+                if !channels.iter().any(|channel| channel.holds(&position)) {
+                    return Err(outside("is in none of the channels"));
+                }
+                continue;
+            }
+            if let Some(bounds) = &scene.free_space.bounds {
+                let (min, max) = (check::vector::<2>(&bounds.min), check::vector::<2>(&bounds.max));
+                let beyond = (0..2).find_map(|axis| {
+                    let at = position[axis];
+                    let ends = if at <= min[axis] { min[axis] } else { max[axis] };
+                    (at <= min[axis] || at >= max[axis]).then_some((axis, ends, at))
+                });
+                if let Some(beyond) = beyond {
+                    return Err(Refused::from(refuse::out_of_bounds(code, field, beyond)).whole());
+                }
+            }
+            if let Some((solid, depth)) = walls.depth_in_solid(&position, budget)? {
+                let refusal = refuse::in_solid(code, field, solid, depth);
+                return Err(Refused::from(refusal).whole());
+            }
+        }
+        Ok(())
+    }
+
+    /// The robot among walls at any angle.
+    pub(super) fn among<'a>(&self, walls: &'a Walls<2>, floor: &'a Floor) -> any_angle::Errand<'a> {
+        let Self { footprint, start, goal, start_turn } = *self;
+        let (abilities, costs) = (Default::default(), Default::default());
+        any_angle::Errand { footprint, start, goal, start_turn, abilities, costs, walls, floor }
     }
 
     /// The robot as the search for a route knows it, if it keeps this gap, metres.

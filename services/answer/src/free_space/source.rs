@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use planning::budget::Budget;
 use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
-use planning::free_space::walls::Walls;
+use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::{AxisBox, Vector};
-use schemas::message::{Refusal, SceneRequest, Solid, Task};
+use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
 
 use super::made::Cut;
 use super::space::{Around, FreeSpace};
@@ -14,7 +15,7 @@ use super::take::{Pieces, Surfaces, TakeSolids, take_all};
 use crate::answers::Resources;
 use crate::cache::{Content, Kind};
 use crate::check;
-use crate::refuse::{Axes, Refused};
+use crate::refuse::{Axes, FLOOR, Refused};
 
 /// Slanted edges of solids are followed to this part of the body's least extent.
 const SLANT: f64 = 0.01;
@@ -29,6 +30,11 @@ pub(crate) struct Buffers<const D: usize> {
 }
 
 impl<const D: usize> Buffers<D> {
+    /// The channels that were read last.
+    pub(crate) fn channels(&self) -> &[AxisBox<D>] {
+        &self.channels
+    }
+
     /// The memory that it holds.
     pub(crate) fn bytes(&self) -> usize {
         let channels = self.channels.capacity() + self.made.capacity();
@@ -65,13 +71,7 @@ impl<'a, const D: usize> Source<'a, D> {
             None => None,
         };
         if let Some(given) = &scene.free_space.channels {
-            channels.clear();
-            resources.budget.step(given.len() as u64)?;
-            resources.budget.hold(size_of::<AxisBox<D>>() * given.len())?;
-            for (index, sides) in given.iter().enumerate() {
-                let field = || format!("free_space.channels[{index}]");
-                channels.push(check::axis_box(field, axes, sides)?);
-            }
+            take_channels(given, axes, channels, resources.budget)?;
             // One channel has but one order.
             if scene.free_space.in_order || channels.len() == 1 {
                 let around = around(scene, axes, outline, resources)?;
@@ -113,6 +113,50 @@ impl<'a, const D: usize> Source<'a, D> {
             }
         }
     }
+}
+
+/// The walls of a floor: the surfaces of its solids and its bounds, or all that its channels leave.
+pub(crate) fn floor_walls(
+    scene: &SceneRequest,
+    buffers: &mut Buffers<2>,
+    complement: &mut Complement<2>,
+    resources: &mut Resources<'_>,
+) -> Result<Arc<Walls<2>>, Refused> {
+    let Buffers { channels, outline, .. } = buffers;
+    let Some(given) = &scene.free_space.channels else {
+        let Some(bounds) = &scene.free_space.bounds else {
+            let message = "free_space.bounds is missing; solids alone do not bound a floor";
+            return Err(Refusal::invalid("free_space.bounds", message).into());
+        };
+        let bounds = check::axis_box(|| "free_space.bounds".to_owned(), &FLOOR, bounds)?;
+        return surfaces(scene, &FLOOR, Some(bounds), outline, resources);
+    };
+    take_channels(given, &FLOOR, channels, resources.budget)?;
+    let Resources { budget, cache, .. } = resources;
+    let content = cache.describe(Kind::ChannelsWalls, 2);
+    content.mouth(None);
+    content.boxes(channels);
+    cache.get(budget, || {
+        let mut walls = Walls::default();
+        walls.set_complement(channels, None, complement, budget)?;
+        Ok::<_, Refused>(walls)
+    })
+}
+
+fn take_channels<const D: usize>(
+    given: &[message::AxisBox],
+    axes: &Axes,
+    channels: &mut Vec<AxisBox<D>>,
+    budget: &Budget<'_>,
+) -> Result<(), Refused> {
+    channels.clear();
+    budget.step(given.len() as u64)?;
+    budget.hold(size_of::<AxisBox<D>>() * given.len())?;
+    for (index, sides) in given.iter().enumerate() {
+        let field = || format!("free_space.channels[{index}]");
+        channels.push(check::axis_box(field, axes, sides)?);
+    }
+    Ok(())
 }
 
 /// The walls around given channels.

@@ -24,11 +24,11 @@ const MOST_CHANGES: usize = 16;
 
 /// What a motion must keep.
 #[derive(Debug, Clone, Copy)]
-struct Target {
+pub(super) struct Target {
     /// From the corners that it turns about, metres.
-    gap: f64,
+    pub(super) gap: f64,
     /// Its free clearance, metres; `None`: it must not touch.
-    least: Option<f64>,
+    pub(super) least: Option<f64>,
 }
 
 /// Memory that is used again from one motion to the next.
@@ -89,7 +89,7 @@ fn check_ends(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<(), NoMotion> 
 }
 
 /// The shortest motion that keeps what is asked for.
-fn shortest(
+pub(super) fn shortest(
     errand: &Errand<'_>,
     target: Target,
     planner: &mut Planner,

@@ -1,15 +1,150 @@
 //! The motion with the greatest free clearance.
 
-use super::ladder::Planner;
-use super::{Errand, Found, NoMotion};
-use crate::budget::Budget;
+use std::mem;
 
+use super::ladder::{Planner, Target, shortest};
+use super::measure::cost;
+use super::{Errand, Found, NoMotion, PRECISION, bound, refusal};
+use crate::budget::{Budget, Spent};
+
+/// Gaps looked at one by one, since more gap need not mean more clearance.
+const GAPS: usize = 32;
+
+/// Finds the motion with the greatest free clearance, and among those within 1e-9 m of it the
+/// least costly.
+///
+/// What has at least some clearance is found for more and more of it, halving; and because a
+/// larger gap can lead the robot's ends nearer to a wall, gaps are also tried one by one.
 pub(super) fn safest(
     errand: &Errand<'_>,
     planner: &mut Planner,
     found: &mut Found,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
-    let _ = (errand, planner, found, budget);
-    Err(NoMotion::Enclosed { at_goal: false })
+    let half = errand.footprint.width() / 2.0;
+    // Nothing keeps more than the widest disc.
+    let most = errand.floor.extent();
+    let Some((widest, _)) = refusal::widest(errand, most, planner, budget)? else {
+        return Err(refusal::no_way(errand, half, planner, budget)?);
+    };
+    if widest <= half {
+        return Err(refusal::no_way(errand, half, planner, budget)?);
+    }
+    let mut search = Search { errand, planner, best: None, refused: None, budget };
+    let (mut low, mut high) = (0.0, widest - half);
+    if !search.try_target(Target { gap: high, least: Some(high) })? {
+        for step in 1..GAPS {
+            let gap = high * step as f64 / GAPS as f64;
+            search.try_target(Target { gap, least: None })?;
+        }
+        search.refine(high / GAPS as f64, high)?;
+        low = search.best_clearance().max(low);
+        while high - low > PRECISION {
+            let middle = (low + high) / 2.0;
+            if middle <= low || middle >= high {
+                break;
+            }
+            if search.try_target(Target { gap: middle, least: Some(middle) })? {
+                low = search.best_clearance().max(middle);
+            } else {
+                high = middle;
+            }
+        }
+    }
+    match search.best {
+        Some((_, _, motion)) => {
+            *found = motion;
+            Ok(())
+        }
+        None => match search.refused {
+            Some(refused) => Err(refused),
+            None => Err(refusal::no_way(errand, half, search.planner, budget)?),
+        },
+    }
+}
+
+struct Search<'a, 'b> {
+    errand: &'a Errand<'a>,
+    planner: &'a mut Planner,
+    /// Its free clearance and cost.
+    best: Option<(f64, f64, Found)>,
+    refused: Option<NoMotion>,
+    budget: &'a Budget<'b>,
+}
+
+impl Search<'_, '_> {
+    fn best_clearance(&self) -> f64 {
+        self.best.as_ref().map_or(0.0, |(clearance, _, _)| *clearance)
+    }
+
+    /// Whether there is such a motion; the best is kept.
+    fn try_target(&mut self, target: Target) -> Result<bool, NoMotion> {
+        let mut found = Found::default();
+        match shortest(self.errand, target, self.planner, &mut found, self.budget) {
+            Ok(()) => {}
+            Err(NoMotion::Spent(Spent::Limit { .. })) if self.best.is_some() => {
+                if let Some((_, _, motion)) = &mut self.best {
+                    motion.is_complete = false;
+                }
+                return Ok(false);
+            }
+            Err(NoMotion::Spent(spent)) => return Err(spent.into()),
+            Err(refused) => {
+                self.refused.get_or_insert(refused);
+                return Ok(false);
+            }
+        }
+        bound::measure_free_clearance(self.errand, &mut found, self.budget)?;
+        let (clearance, cost) = (found.free_clearance, cost(self.errand, &found.legs));
+        let is_better = self.best.as_ref().is_none_or(|(most, least, _)| {
+            clearance > most + PRECISION || (clearance >= most - PRECISION && cost < *least)
+        });
+        if is_better {
+            let _ = mem::replace(&mut self.best, Some((clearance, cost, found)));
+        }
+        Ok(true)
+    }
+
+    /// Looks between the neighbours of the best gap, by golden sections.
+    fn refine(&mut self, step: f64, most: f64) -> Result<(), NoMotion> {
+        let Some(gap) = self.best.as_ref().map(|(_, _, motion)| motion.gap) else {
+            return Ok(());
+        };
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let (mut low, mut high) = ((gap - step).max(0.0), (gap + step).min(most));
+        let clearance_at = |search: &mut Self, gap: f64| -> Result<f64, NoMotion> {
+            let before = search.best.take();
+            let there = search.try_target(Target { gap, least: None })?;
+            let clearance = if there { search.best_clearance() } else { 0.0 };
+            let after = mem::replace(&mut search.best, before);
+            if let Some((clearance, cost, motion)) = after
+                && search.best_clearance() < clearance
+            {
+                search.best = Some((clearance, cost, motion));
+            }
+            Ok(clearance)
+        };
+        let mut one = high - GOLDEN * (high - low);
+        let mut other = low + GOLDEN * (high - low);
+        let mut at_one = clearance_at(self, one)?;
+        let mut at_other = clearance_at(self, other)?;
+        while high - low > PRECISION * most.max(1.0) {
+            if at_one >= at_other {
+                (high, other, at_other) = (other, one, at_one);
+                one = high - GOLDEN * (high - low);
+                if one <= low || one >= other {
+                    break;
+                }
+                at_one = clearance_at(self, one)?;
+            } else {
+                (low, one, at_one) = (one, other, at_other);
+                other = low + GOLDEN * (high - low);
+                if other >= high || other <= one {
+                    break;
+                }
+                at_other = clearance_at(self, other)?;
+            }
+        }
+        Ok(())
+    }
 }

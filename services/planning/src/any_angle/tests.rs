@@ -1,0 +1,4 @@
+//! Driving among walls at any angle: against constructions that share no code with it.
+
+mod scene;
+mod taut;
