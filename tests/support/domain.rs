@@ -112,18 +112,7 @@ impl TestDomain {
 
     /// What lies in memory and on disk for this domain.
     pub fn left(&self) -> Vec<PathBuf> {
-        let prefix = format!("iox2_{}_", self.name);
-        let named = |name: &OsStr| name.to_string_lossy().starts_with(&prefix);
-        let mut left = entries(Path::new("/dev/shm"));
-        left.retain(|path| path.file_name().is_some_and(named));
-        let mut directories = vec![Path::new("/tmp/iceoryx2").join(&self.name)];
-        while let Some(directory) = directories.pop() {
-            if directory.exists() {
-                directories.extend(entries(&directory));
-                left.push(directory);
-            }
-        }
-        left
+        left_by(&self.name)
     }
 }
 
@@ -143,6 +132,22 @@ impl Drop for TestDomain {
             assert!(left.is_empty(), "{} left behind {left:?}", self.name);
         }
     }
+}
+
+/// What lies in memory and on disk for the domain with this name.
+pub fn left_by(domain: &str) -> Vec<PathBuf> {
+    let prefix = format!("iox2_{domain}_");
+    let named = |name: &OsStr| name.to_string_lossy().starts_with(&prefix);
+    let mut left = entries(Path::new("/dev/shm"));
+    left.retain(|path| path.file_name().is_some_and(named));
+    let mut directories = vec![Path::new("/tmp/iceoryx2").join(domain)];
+    while let Some(directory) = directories.pop() {
+        if directory.exists() {
+            directories.extend(entries(&directory));
+            left.push(directory);
+        }
+    }
+    left
 }
 
 fn entries(directory: &Path) -> Vec<PathBuf> {

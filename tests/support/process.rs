@@ -30,6 +30,11 @@ pub fn kill_process(child: &Child, signal: Signal) {
     rustix::process::kill_process(Pid::from_child(child), signal).expect("the process is there");
 }
 
+/// Sends a signal to a process of this test and all of its process group, as a terminal does.
+pub fn kill_group(leader: &Child, signal: Signal) {
+    rustix::process::kill_process_group(Pid::from_child(leader), signal).expect("it leads a group");
+}
+
 /// How a program ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ended {

@@ -1,6 +1,9 @@
 //! The whole path once, and the pictures that came of it.
 
-use integration_tests::TestDomain;
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Command, Stdio};
+
+use integration_tests::{Signal, TestDomain, kill_group, kill_process, left_by, program, wait_for};
 
 #[test]
 fn two_demos_run_at_once() {
@@ -26,4 +29,38 @@ fn two_demos_run_at_once() {
     let again = test.run("demo", &["-o", "one"]);
     assert_eq!(again.code, Some(1));
     assert!(again.stderr.contains("already contains a demo"), "{}", again.stderr);
+}
+
+#[test]
+fn a_signal_ends_a_demo_and_its_processes() {
+    for moment in ["out", "out/demo.mcap"] {
+        // Ctrl-C reaches planner and recorder too, a service manager's SIGTERM the demo alone.
+        assert_eq!(interrupted(moment, Signal::INT, kill_group), Some(130), "{moment}");
+        assert_eq!(interrupted(moment, Signal::TERM, kill_process), Some(143), "{moment}");
+    }
+}
+
+/// The exit code of a demo that gets a signal once a file or folder is there.
+fn interrupted(moment: &str, signal: Signal, send: fn(&Child, Signal)) -> Option<i32> {
+    const TRIES: usize = 10;
+    for _ in 0..TRIES {
+        let test = TestDomain::new();
+        let mut demo = Command::new(program("demo"))
+            .args(["-o", "out"])
+            .current_dir(test.path(""))
+            .stdout(Stdio::null())
+            .process_group(0)
+            .spawn()
+            .unwrap();
+        wait_for(moment, || test.path(moment).exists().then_some(()));
+        send(&demo, signal);
+        let code = demo.wait().unwrap().code();
+        let left = left_by(&format!("demo-{}", demo.id()));
+        assert!(left.is_empty(), "{left:?}");
+        // A demo may be done before the signal comes.
+        if code != Some(0) {
+            return code;
+        }
+    }
+    panic!("{TRIES} demos were done before the signal came");
 }

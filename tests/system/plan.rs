@@ -64,7 +64,7 @@ fn a_scene_file_can_be_piped_in() {
 }
 
 #[test]
-fn invalid_json_is_refused_by_scene_line_and_column_and_the_next_is_planned() {
+fn invalid_json_is_refused_by_line_and_column_and_the_next_is_planned() {
     let test = TestDomain::new();
     let stdin = format!(
         "{}\n{{ \"id\": 2, nonsense }}\n{}\n{{\n  \"id\": 4,,\n  \"task\": \"drive\"\n}}\n{:#}\n",
@@ -76,11 +76,33 @@ fn invalid_json_is_refused_by_scene_line_and_column_and_the_next_is_planned() {
     assert_eq!(ended.code, Some(1), "two are refused");
     assert_eq!(ids(&replies), [1, 2, 3, 4, 5].map(Some));
     let message = |index: usize| replies[index]["error"]["message"].as_str().unwrap_or_default();
-    assert_eq!(message(1), "scene 2: invalid JSON at line 2, column 12: key must be a string");
-    assert_eq!(message(3), "scene 4: invalid JSON at line 5, column 11: key must be a string");
+    assert_eq!(message(1), "invalid JSON at line 2, column 12: key must be a string");
+    assert_eq!(message(3), "invalid JSON at line 5, column 11: key must be a string");
     assert!([0, 2, 4].iter().all(|good| replies[*good]["trajectories"].is_array()));
     let skipped = "plan: skipped lines 6 to 7 of stdin: they follow invalid JSON\n";
     assert_eq!(ended.stderr, skipped);
+}
+
+#[test]
+fn a_refused_scene_is_named_once() {
+    let test = TestDomain::new();
+    let stdin = format!("{}\n{{ nonsense }}\n", numbered(1));
+    let line = "invalid_scene: invalid JSON at line 2, column 3: key must be a string";
+    let table = test.start("plan", &["--local", "-"], Some(&stdin)).wait();
+    assert!(table.stdout.contains(line), "{}", table.stdout);
+    assert_eq!(table.stdout.matches("scene 2").count(), 1, "{}", table.stdout);
+    let rows = test.start("plan", &["--local", "--format", "csv", "-"], Some(&stdin)).wait();
+    assert_eq!(rows.stderr, format!("plan: scene 2 (line 2): refused, {line}\n"));
+}
+
+#[test]
+fn a_stdin_without_a_scene_is_an_error() {
+    let test = TestDomain::new();
+    for stdin in ["", " \n\n"] {
+        let (replies, ended) = replies(&test, stdin);
+        assert!(replies.is_empty());
+        assert_eq!((ended.code, ended.stderr.as_str()), (Some(1), "plan: no scene on stdin\n"));
+    }
 }
 
 /// A running `plan` whose stdin is open.
@@ -134,14 +156,15 @@ fn each_reply_comes_before_stdin_ends() {
 
 #[test]
 fn a_signal_ends_it_while_it_waits_for_scenes() {
-    for signal in [Signal::INT, Signal::TERM] {
+    for signal in [Signal::INT, Signal::TERM, Signal::HUP] {
         let test = TestDomain::new();
         let _planner = test.planner(&[]);
         let name = test.domain().to_string();
         let mut running = Piped::start(&test, &["--domain", &name]);
         assert_eq!(running.ask(&numbered(1).to_string())["id"], 1);
         kill_process(&running.child, signal);
-        assert_eq!(running.child.wait().unwrap().code(), Some(130), "{signal:?}");
+        let code = running.child.wait().unwrap().code();
+        assert_eq!(code, Some(128 + signal.as_raw()), "{signal:?}");
 
         let mut local = Piped::start(&test, &["--local"]);
         assert_eq!(local.ask(&numbered(1).to_string())["id"], 1);

@@ -30,7 +30,7 @@ pub struct SceneRequest {
     pub clearance: ClearanceWish,
     /// How fast the body may move.
     pub limits: Limits,
-    /// Which states of the motion the reply has; by default one every 0.02 s.
+    /// Where the motion is sampled; by default every 0.02 s.
     pub sampling: Option<Sampling>,
     /// Seconds from arrival within which the answer is useful.
     pub deadline: Option<f64>,
@@ -218,13 +218,13 @@ pub struct Limits {
     pub lateral_acceleration: Option<f64>,
 }
 
-/// Which states of the motion the reply has, besides the ends of all legs.
+/// Where the motion is sampled. The ends of all legs are always samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Sampling {
-    /// One every so many seconds.
+    /// A sample every this many seconds.
     Period(f64),
-    /// One every so many metres of arc length.
+    /// A sample every this many metres of arc length.
     Spacing(f64),
-    /// This many, evenly spaced in time.
+    /// This many samples, evenly spaced in time.
     Count(u64),
 }

@@ -1,12 +1,12 @@
-//! What requests over the same free space have in common, kept from one to the next.
+//! What was made from a free space, kept for later requests over the same one.
 //!
-//! The cache keeps what takes long to make: channels and their junctions ([`Graph`]), walls and
+//! The cache keeps what is expensive to make: channels and their junctions ([`Graph`]), walls and
 //! their index ([`Walls`]), and the free boxes that explain refusals. The key is the whole content
 //! that an entry was made from, and a request that finds an entry draws from its budget what
 //! making it would have drawn. So the cache changes no reply.
 //!
-//! What a request uses stays until the request ends, however small the bound is: its exits and
-//! answers share it. Then the least recently used entries are dropped until the bound holds.
+//! Entries that a request uses stay until it ends, even beyond the bound: its exits and answers
+//! share them. Then the least recently used are dropped until the bound holds.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -18,25 +18,25 @@ use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, HalfSpace, Sign};
 
-/// With more entries than these, they are so small that making them is as fast as finding them.
+/// The bytes may allow more entries, but ones so small are made as fast as they are found.
 const MOST_ENTRIES: usize = 4096;
 
-/// What a workspace's cache has found, and what it holds.
+/// Hits, misses and size of a workspace's cache.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CacheStats {
-    /// How often an entry was found.
+    /// Look-ups that found an entry.
     pub hits: u64,
-    /// How often one had to be made.
+    /// Look-ups that had to make it.
     pub misses: u64,
-    /// The entries that it holds.
+    /// Entries held.
     pub entries: usize,
-    /// The memory that they take, bytes.
+    /// Their memory, bytes.
     pub bytes: usize,
 }
 
-/// A value that the cache can keep.
+/// A value that can be cached.
 pub(crate) trait Cached: Any + Send + Sync {
-    /// The memory that it holds, bytes.
+    /// Its heap memory, bytes.
     fn bytes(&self) -> usize;
 }
 
@@ -62,25 +62,25 @@ impl<const D: usize> Cached for FreeBoxes<D> {
     }
 }
 
-/// What an entry is, and what its content describes.
+/// What an entry is, and what it is made from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Kind {
-    /// Channels and their junctions.
+    /// Junctions of channels.
     Junctions,
-    /// Solids, and the junctions of the channels that they leave.
+    /// Channels between solids, and their junctions.
     SolidsJunctions,
-    /// Solids, and all free boxes that they leave.
+    /// All free boxes between solids.
     SolidsBoxes,
-    /// Channels up to a mouth, and the walls around them.
+    /// Walls around channels, up to a mouth.
     ChannelsWalls,
-    /// Solids, and the walls that they are.
+    /// Walls of solids.
     SolidsWalls,
-    /// The floor among the walls of channels, or of solids.
+    /// The floor between the walls of channels, or of solids.
     ChannelsFloor,
     SolidsFloor,
 }
 
-/// Everything that an entry is made from, in words.
+/// Everything that an entry is made from, as 64-bit words: the key.
 #[derive(Debug, Default)]
 pub(crate) struct Content(Vec<u64>);
 
@@ -110,21 +110,20 @@ impl Content {
     }
 }
 
-/// So many words are written and compared in the time of a step.
+/// Words written and compared per step of the budget.
 const WORDS_PER_STEP: u64 = 16;
 
-/// Least recently used, bounded in bytes.
+/// An LRU cache bounded in bytes.
 #[derive(Debug)]
 pub(crate) struct Cache {
     most_bytes: usize,
-    /// Counts requests.
+    /// The number of the request.
     request: u64,
-    /// Of what is looked for.
+    /// The key being looked up.
     content: Content,
-    /// From the least to the most recently used, by content. Its order does not depend on the
-    /// hash.
+    /// By content, from the least to the most recently used.
     entries: LinkedHashMap<Box<[u64]>, Entry, FixedState>,
-    /// The most entries since the map's memory was last given back.
+    /// The most entries since the map last shrank.
     most_entries: usize,
     stats: CacheStats,
 }
@@ -139,7 +138,7 @@ struct Entry {
     cost: Cost,
 }
 
-/// What the map takes for an entry: its node with two links, and two slots of its table.
+/// Memory of the map per entry: a node with two links, and two slots of its table.
 const ENTRY_BYTES: usize =
     size_of::<Box<[u64]>>() + size_of::<Entry>() + 2 * size_of::<usize>() + 2 * 9;
 
@@ -160,36 +159,36 @@ impl Cache {
         self.stats
     }
 
-    /// The memory that describing takes, bytes.
+    /// Memory of the key's buffer, bytes.
     pub(crate) fn content_bytes(&self) -> usize {
         self.content.0.capacity() * size_of::<u64>()
     }
 
-    /// Gives back the memory that describing takes.
+    /// Frees the key's buffer.
     pub(crate) fn release_content(&mut self) {
         self.content = Content::default();
     }
 
-    /// The most bytes that it holds from one request to the next.
+    /// The bound, bytes.
     pub(crate) fn most_bytes(&self) -> usize {
         self.most_bytes
     }
 
-    /// Begins to describe what [`Cache::get`] looks for.
+    /// Begins the key that [`Cache::get`] looks up.
     pub(crate) fn describe(&mut self, kind: Kind, dimension: usize) -> &mut Content {
         self.content.0.clear();
         self.content.word((kind as u64) << 8 | dimension as u64);
         &mut self.content
     }
 
-    /// Looks for something else made from the same content.
+    /// Changes the key to another kind of entry from the same content.
     pub(crate) fn describe_again(&mut self, kind: Kind, dimension: usize) {
         if let Some(word) = self.content.0.first_mut() {
             *word = (kind as u64) << 8 | dimension as u64;
         }
     }
 
-    /// What was made from the content described, or is made from it now.
+    /// The entry with the key described, made now if it is not cached.
     pub(crate) fn get<T: Cached, E: From<Spent>>(
         &mut self,
         budget: &Budget<'_>,
@@ -218,10 +217,10 @@ impl Cache {
         Ok(made)
     }
 
-    /// What is kept for the content described, if the budget is enough to make it.
+    /// The cached entry, if the budget would be enough to make it.
     fn find<T: Cached>(&mut self, budget: &Budget<'_>) -> Option<Arc<T>> {
         let content = self.content.0.as_slice();
-        // Most often it is the same as last.
+        // Most often it is the last one used.
         let last = self.entries.iter_mut().next_back();
         let entry = match last.filter(|(last, _)| ***last == *content) {
             Some((_, entry)) => entry,
@@ -235,10 +234,10 @@ impl Cache {
         Some(made)
     }
 
-    /// Drops entries until the bound holds, of which `elsewhere` bytes are used by other memory.
+    /// Drops entries until they fit the bound less `elsewhere` bytes.
     pub(crate) fn end_request(&mut self, elsewhere: usize) {
         let most = self.most_bytes.saturating_sub(elsewhere);
-        // What is larger than the bound by itself is no reason to forget anything else.
+        // An entry that is too large by itself should not evict the others.
         let request = self.request;
         let used = self.entries.iter().rev().map(|(_, entry)| entry);
         let mut used = used.take_while(|entry| entry.request == request);

@@ -1,14 +1,14 @@
 //! From a scene request to its reply: one pure function.
 //!
-//! Everything that happens to a request happens in [`Workspace::answer`]. It reads no clock and
-//! no files, and what it keeps between requests changes no reply. So a recorded request, answered
-//! again under the same [`Caps`], gives the same bytes: [`reply_to`].
+//! [`Workspace::answer`] does all the work. It reads no clock and no files, and what it keeps
+//! between requests changes no reply. So a recorded request, answered again under the same
+//! [`Caps`], gives the same bytes; [`reply_to`] does that.
 //!
-//! All answers to a request draw from one budget. A [`StopFlag`] ends a request from outside.
+//! All answers to a request draw from one budget. A [`StopFlag`] stops a request from outside.
 //!
 //! This crate knows planning and the messages. It does not know the bus, recordings, the
-//! configuration file, the command line, logging, clocks or threads: whoever calls it brings the
-//! caps, the memory of the request, somewhere to write the reply to, and a reason to stop.
+//! configuration file, the command line, logging, clocks or threads: the caller passes the caps,
+//! the memory of the request, a sink for the reply, and a flag that stops it.
 //!
 //! ```
 //! use answer::{Caps, reply_to};
@@ -60,11 +60,11 @@ pub use cache::CacheStats;
 pub use caps::Caps;
 pub use stop::{StopFlag, StopReason};
 
-/// The most that a workspace keeps by default, bytes.
+/// Memory that a workspace keeps between requests by default, bytes.
 pub const CACHE_BYTES: usize = 256 << 20;
 
-/// Answers one request after the other. From one to the next it keeps memory to use again, and a
-/// cache of what it made from free spaces. Neither changes a reply.
+/// Answers requests one after another. Between them it keeps buffers and a cache of what it made
+/// from free spaces. Neither changes a reply.
 #[derive(Debug)]
 pub struct Workspace {
     caps: Caps,
@@ -73,7 +73,7 @@ pub struct Workspace {
     buffers: Buffers,
 }
 
-/// Memory for the answers to one request.
+/// Buffers for the answers to a request.
 #[derive(Debug, Default)]
 struct Buffers {
     plane: Assembly<2>,
@@ -82,7 +82,7 @@ struct Buffers {
 }
 
 impl Default for Workspace {
-    /// With the defaults of the planner's configuration.
+    /// A workspace with the planner's default settings.
     fn default() -> Self {
         Self::new(Caps::default(), CACHE_BYTES)
     }
@@ -100,25 +100,24 @@ impl Workspace {
         }
     }
 
-    /// What the cache found for the requests so far, and what it holds.
+    /// Statistics of the cache since the workspace was made.
     pub fn cache_stats(&self) -> CacheStats {
         self.cache.stats()
     }
 
-    /// The memory that it holds, bytes: at most that of the cache between requests.
+    /// Memory held, bytes; between requests at most the `cache` given to [`Workspace::new`].
     pub fn bytes(&self) -> usize {
         self.cache.stats().bytes + self.buffer_bytes()
     }
 
-    /// Answers a request as it lies in memory, until `stop` is set. Whatever the memory holds,
-    /// the reply is written to `sink`.
+    /// Answers the request in memory and writes the reply to `sink`, whatever that memory holds.
     ///
-    /// A request that costs more than the caps allow is refused as `too_costly`, a stopped one as
-    /// `deadline_exceeded` or `overloaded`. Answers found before that stand.
+    /// A request that costs more than the caps allow is refused as `too_costly`; one that `stop`
+    /// ends, as `deadline_exceeded` or `overloaded`. Answers found before stand.
     ///
     /// # Errors
     ///
-    /// What the sink returns when it does not take a part.
+    /// The sink's, if it does not take a part.
     ///
     /// ```
     /// use answer::{StopFlag, Workspace};
@@ -204,7 +203,7 @@ impl Workspace {
         }
     }
 
-    /// Gives back what is more than may be kept.
+    /// Frees what may not be kept.
     fn end_request(&mut self) {
         let most = self.cache.most_bytes() / BUFFERS_SHARE;
         if self.buffers.bytes() > most {
@@ -219,13 +218,13 @@ impl Workspace {
         self.cache.end_request(self.buffer_bytes());
     }
 
-    /// Memory that is used again, whatever is in it.
+    /// Memory of what is reused, whatever it contains.
     fn buffer_bytes(&self) -> usize {
         self.buffers.bytes() + scene::bytes(&self.scene) + self.cache.content_bytes()
     }
 }
 
-/// Each kind of memory that is used again takes no more than this part of what may be kept.
+/// Each kind of buffer may keep this fraction (1/4) of the cache's bound.
 const BUFFERS_SHARE: usize = 4;
 
 impl Buffers {
@@ -238,14 +237,14 @@ fn key(header: &wire::RequestHeader) -> RequestKey {
     RequestKey { client: header.client, sequence: header.sequence }
 }
 
-/// Answers a request in this process: the same answers, bit for bit, as a planner with
-/// these caps gives over the bus. Nothing is kept from one request to the next.
+/// Answers a request in this process, bit for bit as a planner with these caps does over the bus.
+/// Keeps nothing between requests.
 pub fn reply_to(request: &Request, caps: &Caps) -> Reply {
     let mut workspace = Workspace::new(*caps, 0);
     let mut collect = Collect::default();
     let stop = StopFlag::new();
     let Ok(()) = match &request.content {
-        // Through memory as on the bus, so that the same is refused in the same words.
+        // Through memory as on the bus, so that refusals are the same too.
         RequestContent::Scene(scene) => {
             let mut cells = Vec::new();
             match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {

@@ -1,5 +1,4 @@
-//! Numbers that are none, or too large to be reckoned with, where a route is sought: there is
-//! a refusal or a trajectory, and soon.
+//! Non-finite and huge numbers in a search for a route end in a reply, without delay.
 
 use answer::{Caps, reply_to};
 use schemas::json::read_scene;
@@ -7,7 +6,7 @@ use schemas::message::{
     Choice, ClearanceWish, ErrorCode, Gap, Request, RequestContent, RequestKey, SceneRequest,
 };
 
-/// A robot and a part among three channels in no order, as far apart as `scale` (metres).
+/// A robot and a part in three unordered channels whose coordinates reach `scale` metres.
 fn scenes(scale: f64) -> [SceneRequest; 2] {
     let channels = format!(
         r#"[{{"min": [{0}, 0], "max": [{1}, 3]}}, {{"min": [0, 0], "max": [3, {1}]}},
@@ -32,7 +31,7 @@ fn scenes(scale: f64) -> [SceneRequest; 2] {
     [drive, part].map(|scene| read_scene(&scene).expect("a scene"))
 }
 
-/// Why there is no trajectory, if there is none.
+/// The code of the first refusal, if any.
 fn refused(scene: SceneRequest) -> Option<ErrorCode> {
     let content = RequestContent::Scene(scene);
     let request = Request { key: RequestKey::default(), sent_ns: 0, content };
@@ -65,8 +64,8 @@ fn non_finite_gaps_are_refused() {
 }
 
 #[test]
-fn spaces_without_measure_are_answered() {
-    // Squares, and then sums, of such coordinates are infinite.
+fn huge_coordinates_are_answered() {
+    // From 1e154 on squares overflow, then sums; from 1e150 on coordinates are refused.
     for scale in [1e12, 1e100, 1e154, 1e200, 1e307, 1.7e308] {
         for scene in scenes(scale) {
             for clearance in [scene.clearance.clone(), ClearanceWish::Safest] {

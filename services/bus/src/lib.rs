@@ -46,4 +46,4 @@ pub use options::{ReplyOptions, ServerOptions};
 pub use ports::most_memory;
 pub use server::{Incoming, ReplySink, Server};
 pub use tap::{TapEvent, TapMessage, TapReader};
-pub use wait::{Wait, Woken, terminated};
+pub use wait::{Wait, Woken, terminated, termination_signal};

@@ -1,6 +1,6 @@
 //! Waiting for the other side: spinning, sleeping, or both.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
@@ -117,21 +117,21 @@ fn silence(bell: &Listener<ipc::Service>) {
     while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}
 }
 
-/// Set for good by SIGINT, SIGTERM and SIGHUP.
+/// The last SIGINT, SIGTERM or SIGHUP, or 0.
 ///
 /// iceoryx2's own handler keeps only the last of a dozen kinds of signals, and forgets it
 /// once asked.
-static TERMINATED: LazyLock<Result<Arc<AtomicBool>, String>> = LazyLock::new(|| {
-    let flag = Arc::default();
+static TERMINATED: LazyLock<Result<Arc<AtomicUsize>, String>> = LazyLock::new(|| {
+    let last = Arc::default();
     for signal in [SIGINT, SIGTERM, SIGHUP] {
         // Started by `nohup`, a process outlives its terminal.
         if signal == SIGHUP && is_ignored(SIGHUP) {
             continue;
         }
-        signal_hook::flag::register(signal, Arc::clone(&flag))
+        signal_hook::flag::register_usize(signal, Arc::clone(&last), signal as usize)
             .map_err(|error| format!("can't handle signals: {error}"))?;
     }
-    Ok(flag)
+    Ok(last)
 });
 
 /// Whether this process was started with a signal ignored.
@@ -150,9 +150,15 @@ pub(crate) fn handle_signals() -> Result<(), String> {
 }
 
 /// Whether SIGINT, SIGTERM or SIGHUP has asked to end since this process first joined a
-/// domain. Costs one load.
+/// domain, or first called this. Costs one load.
 pub fn terminated() -> bool {
-    TERMINATED.as_ref().is_ok_and(|flag| flag.load(Ordering::Relaxed))
+    termination_signal().is_some()
+}
+
+/// The number of the signal that [`terminated`] is about, the last if there were several.
+pub fn termination_signal() -> Option<i32> {
+    let last = TERMINATED.as_ref().map_or(0, |last| last.load(Ordering::Relaxed));
+    (last != 0).then_some(last as i32)
 }
 
 #[cfg(test)]

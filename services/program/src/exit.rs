@@ -19,14 +19,27 @@ pub enum Exit {
     Lost = 3,
     /// Replies differ from what they should be.
     Regression = 4,
-    /// Ctrl-C ended it, as shells report it: 128 + SIGINT.
+    /// SIGHUP ended it. (128 + the signal's number, as shells report it; so are the next.)
+    HungUp = 129,
+    /// SIGINT (Ctrl-C) ended it.
     Interrupted = 130,
+    /// SIGTERM ended it.
+    Terminated = 143,
 }
 
 impl Exit {
     /// The exit code.
     pub const fn code(self) -> u8 {
         self as u8
+    }
+
+    /// How a program ends that the signal with this number interrupts.
+    pub const fn interrupted_by(signal: i32) -> Self {
+        match signal {
+            1 => Self::HungUp,
+            15 => Self::Terminated,
+            _ => Self::Interrupted,
+        }
     }
 }
 
@@ -56,6 +69,13 @@ mod tests {
     use std::io;
 
     use super::*;
+
+    #[test]
+    fn a_signal_adds_its_number_to_128() {
+        for signal in [1, 2, 15] {
+            assert_eq!(i32::from(Exit::interrupted_by(signal).code()), 128 + signal);
+        }
+    }
 
     #[test]
     fn a_closed_stdout_is_no_failure() {

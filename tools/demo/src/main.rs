@@ -33,7 +33,8 @@ Examples:
   demo -o /tmp/demo
 
 Results go to stdout, diagnostics to stderr.
-Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost, 4 the replay differs."
+Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost, 4 the replay differs, 129 SIGHUP,
+130 SIGINT (Ctrl-C), 143 SIGTERM."
 )]
 struct Arguments {
     /// Folder for recording and pictures [default: target/demo/N, the next free number]
@@ -56,11 +57,18 @@ fn main() -> ExitCode {
         let arguments = Arguments::parse();
         program::start_diagnostics(Diagnostics::Warnings);
         bus::forward_to_tracing();
-        run(arguments)
+        match (run(arguments), bus::termination_signal()) {
+            // Planner and recorder end too if they got the signal, as with Ctrl-C: whatever
+            // failed then, the signal is why.
+            (Err(_), Some(signal)) => Ok(Exit::interrupted_by(signal)),
+            (done, _) => done,
+        }
     })
 }
 
 fn run(arguments: Arguments) -> Result<Exit, Error> {
+    // From this call on, a signal leaves time to end the other processes.
+    bus::terminated();
     let directory = output::directory(arguments.output)?;
     let recording = directory.join("demo.mcap");
     let domain = Domain::new(&format!("demo-{}", std::process::id()))?;
@@ -75,10 +83,7 @@ fn run(arguments: Arguments) -> Result<Exit, Error> {
     for (name, scene) in scenes::all() {
         let mut whole: Option<Reply> = None;
         for request in scenes::one_by_one(&scene) {
-            let (reply, round_trip) = match ask(&mut client, &request) {
-                Err(CallError::Interrupted) => return Ok(Exit::Interrupted),
-                asked => asked?,
-            };
+            let (reply, round_trip) = ask(&mut client, &request)?;
             let answer = reply.answers.clone().map_err(|refusal| refusal.message)?.remove(0);
             let trajectory = answer.as_ref().map_err(|refusal| refusal.message.clone())?;
             rows.push(row(name, &request, trajectory, round_trip));
@@ -89,6 +94,9 @@ fn run(arguments: Arguments) -> Result<Exit, Error> {
         }
         let reply = whole.expect("every scene has a wish");
         output::save(&directory, name, &render::picture::draw(&scene, &reply))?;
+    }
+    if bus::terminated() {
+        return Err(CallError::Interrupted.into());
     }
     drop(client);
     let recorded = recorder.stop()?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bus::{Client, ConnectError, Domain, Server, Wait};
+use bus::{CallError, Client, ConnectError, Domain, Server, Wait};
 use configuration::Config;
 use program::{Diagnostics, Exit};
 use recorder::Settings;
@@ -142,7 +142,7 @@ pub(crate) fn connect(domain: &Domain, patience: Duration) -> Result<Client, Err
     let until = Instant::now() + patience;
     loop {
         match Client::connect(domain, Wait::Hybrid) {
-            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until => {
+            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until && !bus::terminated() => {
                 std::thread::sleep(Duration::from_millis(5));
             }
             done => return Ok(done?),
@@ -154,6 +154,9 @@ pub(crate) fn connect(domain: &Domain, patience: Duration) -> Result<Client, Err
 pub(crate) fn wait_for_file(path: &Path, patience: Duration) -> Result<(), Error> {
     let until = Instant::now() + patience;
     while !path.exists() {
+        if bus::terminated() {
+            return Err(CallError::Interrupted.into());
+        }
         if Instant::now() >= until {
             return Err(format!("the recorder did not open {}", path.display()).into());
         }

@@ -20,7 +20,7 @@ Examples:
 
 stdin (`-`) holds JSON objects one after another, on one line each or spread over several; each
 is answered as soon as it is complete. After invalid JSON, reading goes on at the next line that
-is not indented.
+is not indented. A stdin without a scene is an error.
 
 CSV has a row for each sample, in SI units, with the columns
   scene,id,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate
@@ -28,7 +28,8 @@ scene counts from 1, id is the scene's own (empty if it has none), answer counts
 Refusals have no rows; they go to stderr.
 
 Results go to stdout, diagnostics to stderr.
-Exit codes: 0 every scene has a trajectory, 1 a scene was refused or something failed, 2 usage."
+Exit codes: 0 every scene has a trajectory, 1 a scene was refused or something failed, 2 usage,
+129 SIGHUP, 130 SIGINT (Ctrl-C), 143 SIGTERM."
 )]
 pub(crate) struct Arguments {
     /// Scene files; `-` reads any number of scenes from stdin

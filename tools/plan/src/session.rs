@@ -38,6 +38,8 @@ pub(crate) enum Failure {
     Print(#[from] PrintError),
     #[error("can't read {}: {cause}", path.display())]
     Read { path: PathBuf, cause: io::Error },
+    #[error("no scene on stdin")]
+    NoScene,
 }
 
 /// Plans all scenes, once it is clear that their pictures can be written.
@@ -53,9 +55,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Failure> {
     match session.run() {
         Ok(()) if session.refused == 0 => Ok(Exit::Done),
         Ok(()) => Ok(Exit::Failure),
-        Err(Failure::Call(CallError::Interrupted)) => Ok(Exit::Interrupted),
-        Err(_) if session.planner.is_interrupted() => Ok(Exit::Interrupted),
-        Err(failure) => Err(failure),
+        Err(failure) => match session.planner.interrupted() {
+            Some(signal) => Ok(Exit::interrupted_by(signal)),
+            None => Err(failure),
+        },
     }
 }
 
@@ -80,12 +83,16 @@ impl Planner {
         Ok(Self::Running(Box::new(connected.inspect_err(|_| domain.tidy())?)))
     }
 
-    fn is_interrupted(&self) -> bool {
-        matches!(self, Self::Running(_)) && bus::terminated()
+    /// The signal that asked this process to end, unless that ended it at once.
+    fn interrupted(&self) -> Option<i32> {
+        match self {
+            Self::Local { .. } => None,
+            Self::Running(_) => bus::termination_signal(),
+        }
     }
 
     fn reply(&mut self, scene: &SceneRequest, arguments: &Arguments) -> Result<Reply, CallError> {
-        if self.is_interrupted() {
+        if self.interrupted().is_some() {
             return Err(CallError::Interrupted);
         }
         match self {
@@ -144,6 +151,7 @@ impl Session<'_> {
         let running = matches!(self.planner, Planner::Running(_));
         let stdin = BufReader::new(Stdin::new(move || running && bus::terminated()));
         let mut scenes = Scenes::new(stdin, MOST_BYTES);
+        let before = self.scenes;
         while let Some(scene) = scenes.next().map_err(unreadable)? {
             if let Some(lines) = scenes.skipped() {
                 let (first, last) = (lines.start(), lines.end());
@@ -159,13 +167,12 @@ impl Session<'_> {
                     Ok(scene) => (scene.id, None),
                     Err(unreadable) => (unreadable.id, unreadable.refusal.field),
                 };
-                let message = format!("scene {number}: {fault}");
-                let refusal = Refusal::invalid(field.unwrap_or("scene".into()), message);
+                let refusal = Refusal::invalid(field.unwrap_or("scene".into()), fault.to_string());
                 read = Err(UnreadableScene { id, refusal });
             }
             self.scene(&format!("scene {number} (line {line})"), read)?;
         }
-        Ok(())
+        if self.scenes == before { Err(Failure::NoScene) } else { Ok(()) }
     }
 
     fn read(&self, text: &str) -> Result<SceneRequest, UnreadableScene> {

@@ -9,28 +9,28 @@ use super::MapError;
 /// A map's YAML. Unknown fields are ignored: other tools keep theirs in the same file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Description {
-    /// The picture; a relative path starts at the YAML's folder.
+    /// Path of the picture; if relative, from the YAML's folder.
     pub(super) image: PathBuf,
     /// The side of a cell, metres.
     pub(super) resolution: f64,
     /// The lower left corner of the map, metres.
     pub(super) origin: [f64; 2],
-    /// Whether bright means occupied.
+    /// Whether bright cells are occupied.
     pub(super) negate: bool,
-    /// Occupancies greater than this are occupied.
+    /// Cells with a greater occupancy are occupied.
     pub(super) occupied: f64,
-    /// Occupancies less than this are free.
+    /// Cells with a lower occupancy are free.
     pub(super) free: f64,
-    /// How shades are read.
+    /// How shades become occupancies.
     pub(super) mode: Mode,
 }
 
-/// How shades are read; see the table at the top of [`super`].
+/// How shades become occupancies; see the table in [`super`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mode {
     /// Free, occupied, or unknown.
     Trinary,
-    /// The same with shades in between; transparent is unknown.
+    /// As [`Mode::Trinary`], with values in between; transparent cells are unknown.
     Scale,
     /// The shade is a percentage.
     Raw,
@@ -43,8 +43,8 @@ impl Description {
         let documents = Yaml::load_from_str(text).map_err(|error| not_yaml(error.to_string()))?;
         let fields = match documents.as_slice() {
             [one] if one.is_mapping() => YamlFields { path, document: one },
-            [_] => return Err(not_yaml("expected fields with values".to_owned())),
-            _ => return Err(not_yaml(format!("{} documents instead of one", documents.len()))),
+            [_] => return Err(not_yaml("expected a mapping".to_owned())),
+            _ => return Err(not_yaml(format!("{} documents, expected one", documents.len()))),
         };
         let image = fields.get("image")?;
         let image = match image.as_str() {
@@ -132,7 +132,7 @@ fn number(value: &Yaml) -> Option<f64> {
     value.as_floating_point().or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-/// A value as messages show it.
+/// A value as shown in messages.
 fn written(value: &Yaml) -> String {
     if let Some(list) = value.as_sequence() {
         return format!("[{}]", list.iter().map(written).collect::<Vec<_>>().join(", "));
@@ -144,7 +144,7 @@ fn written(value: &Yaml) -> String {
         (Some(number), _) => number.to_string(),
         (_, Some(flag)) => flag.to_string(),
         _ if value.is_null() => "nothing".to_owned(),
-        _ => "a value of another kind".to_owned(),
+        _ => "a value of another type".to_owned(),
     }
 }
 
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_of_other_tools_are_passed_over() {
+    fn fields_of_other_tools_are_ignored() {
         let more = format!("# saved by hand\n{OFFICE}elevation_image: up.pgm\n");
         assert_eq!(read(&more).unwrap(), read(OFFICE).unwrap());
     }
@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(there.image, Path::new("/srv/office.pgm"));
     }
 
-    /// `from` in the YAML replaced by `to` is refused in these words.
+    /// With `from` replaced by `to`, the YAML is refused with this message.
     #[track_caller]
     fn check(from: &str, to: &str, message: &str) {
         assert!(OFFICE.contains(from));
