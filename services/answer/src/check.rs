@@ -206,6 +206,9 @@ pub(crate) fn gap(field: &str, gap: f64) -> Result<(), Refusal> {
         return Ok(());
     }
     let message = format!("{field}: a gap of {gap} m; it must be finite and greater than 0");
-    let refusal = Refusal { field: Some(field.to_owned()), ..Refusal::new(ErrorCode::GapOutOfRange, message) };
+    let refusal = Refusal {
+        field: Some(field.to_owned()),
+        ..Refusal::new(ErrorCode::GapOutOfRange, message)
+    };
     Err(Refusal { has: Some(gap), least: Some(0.0), ..refusal })
 }

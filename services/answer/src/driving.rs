@@ -106,7 +106,12 @@ impl Driving {
         let Self { buffers, memory, anywhere } = self;
         let Memory { complement, router, course, spare, profile } = memory;
         let courses = course.bytes() + spare.bytes();
-        anywhere.bytes() + buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
+        anywhere.bytes()
+            + buffers.bytes()
+            + complement.bytes()
+            + router.bytes()
+            + courses
+            + profile.bytes()
     }
 }
 

@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use answer::{Caps, StopFlag, Workspace};
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
-use schemas::message::{FreeSpace, Goal, AxisBox, Choice, ClearanceWish, Gap, RequestKey, SceneRequest, Solid};
+use schemas::message::{
+    AxisBox, Choice, ClearanceWish, FreeSpace, Gap, Goal, RequestKey, SceneRequest, Solid,
+};
 use schemas::wire::{PART_CELLS, ReplyHeader, RequestHeader};
 
 /// Bytes allocated and not given back.

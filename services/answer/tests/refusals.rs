@@ -150,15 +150,18 @@ fn start_and_goal_without_room_are_told() {
 fn start_and_goal_in_a_solid_or_out_of_bounds_are_told() {
     let door = wall_with_door(0.5);
     let scene = drive(&door, [4.125, 1.], [6., 1.], WIDE);
-    let message = "start.position is inside solid 0, 0.125 m from its nearest side; it must be outside";
+    let message =
+        "start.position is inside solid 0, 0.125 m from its nearest side; it must be outside";
     let field = "free_space.solids[0]";
     check_in_solid(&scene, ErrorCode::BodyOutsideFreeSpace, field, 0.125, message);
     let scene = drive(&door, [6., 1.], [4.125, 3.], WIDE);
-    let message = "goal.position is inside solid 1, 0.125 m from its nearest side; it must be outside";
+    let message =
+        "goal.position is inside solid 1, 0.125 m from its nearest side; it must be outside";
     let field = "free_space.solids[1]";
     check_in_solid(&scene, ErrorCode::GoalOutsideFreeSpace, field, 0.125, message);
     let scene = drive(&door, [6., 1.], [6., 6.5], WIDE);
-    let message = "goal.position is outside free_space.bounds: they end at y = 6 m, but it is at y = 6.5 m";
+    let message =
+        "goal.position is outside free_space.bounds: they end at y = 6 m, but it is at y = 6.5 m";
     let numbers = (None, Some(1), Some(6.5), Some(6.0));
     check(&scene, ErrorCode::GoalOutsideFreeSpace, numbers, message);
 }

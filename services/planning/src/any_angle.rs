@@ -16,16 +16,20 @@ use crate::free_space::walls::Walls;
 use crate::geometry::Vector;
 use crate::motion::Leg;
 
+mod backwards;
 mod bound;
 mod disc;
+mod fuse;
 mod ladder;
 mod measure;
 mod refusal;
 mod safest;
 mod sight;
 mod taut;
+mod travelled;
 
 pub use ladder::{Planner, drive};
+pub use travelled::channels_travelled;
 
 /// A robot, where it stands, and where it is to go.
 #[derive(Debug, Clone, Copy)]

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use planning::any_angle::{self, Found, Planner};
+use planning::any_angle::{self, Found, Planner, channels_travelled};
 use planning::free_space::floor::{Floor, FloorError};
 use planning::free_space::walls::{Complement, Walls};
+use planning::geometry::AxisBox;
 use planning::trajectory::Profile;
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{Gap, Refusal, SceneRequest};
@@ -32,15 +33,18 @@ pub(super) struct Memory {
     /// The floor that the planner knows.
     floor: Option<Arc<Floor>>,
     found: Found,
-    /// For a motion that is tried.
+    /// The greatest free clearance, once found, metres.
     safest: Option<f64>,
+    /// The channels travelled.
+    route: Vec<usize>,
     profile: Profile,
 }
 
 impl Memory {
     /// The memory that it holds, bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.planner.bytes() + self.found.bytes() + self.profile.bytes()
+        let route = self.route.capacity() * size_of::<usize>();
+        self.planner.bytes() + self.found.bytes() + self.profile.bytes() + route
     }
 }
 
@@ -50,6 +54,8 @@ pub(super) struct AnywhereJob<'a> {
     pace: Pace,
     walls: Arc<Walls<2>>,
     floor: Arc<Floor>,
+    /// The request's channels, if it has any.
+    channels: &'a [AxisBox<2>],
     memory: &'a mut Memory,
     resources: Resources<'a>,
 }
@@ -58,7 +64,7 @@ impl<'a> AnywhereJob<'a> {
     pub(super) fn new(
         scene: &SceneRequest,
         (errand, pace): (Errand, Pace),
-        (buffers, complement): (&mut Buffers<2>, &mut Complement<2>),
+        (buffers, complement): (&'a mut Buffers<2>, &mut Complement<2>),
         memory: &'a mut Memory,
         mut resources: Resources<'a>,
     ) -> Result<Self, Refused> {
@@ -79,7 +85,8 @@ impl<'a> AnywhereJob<'a> {
             memory.floor = Some(floor.clone());
         }
         memory.safest = None;
-        Ok(Self { errand, pace, walls, floor, memory, resources })
+        let channels = channels.unwrap_or_default();
+        Ok(Self { errand, pace, walls, floor, channels, memory, resources })
     }
 
     /// What is wished for; the greatest free clearance is found once.
@@ -124,17 +131,23 @@ impl Job for AnywhereJob<'_> {
     fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         let wished = self.wished(wish)?;
         self.drive(wished, wish)?;
-        let Memory { found, profile, .. } = &mut *self.memory;
-        self.pace.plan(&found.legs, profile, 1, &self.resources)
+        let Memory { found, profile, route, .. } = &mut *self.memory;
+        route.clear();
+        if !self.channels.is_empty() {
+            let rounding = self.floor.rounding();
+            let budget = self.resources.budget;
+            *route = channels_travelled(&found.legs, self.channels, rounding, budget)?;
+        }
+        self.pace.plan(&found.legs, profile, 1 + route.len(), &self.resources)
     }
 
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
-        let Memory { found, profile, .. } = &*self.memory;
+        let Memory { found, profile, route, .. } = &*self.memory;
         let corners = found.legs.iter().filter_map(|leg| leg.junction).max().map_or(0, |at| at + 1);
         let legs = found.legs.iter().zip(&found.leg_clearances);
         let lists = TrajectoryWriter {
             gaps: std::iter::repeat_n(found.gap, corners),
-            route: std::iter::empty(),
+            route: route.iter().map(|channel| *channel as u64),
             channels: parts::boxes::<2>(&[]),
             legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
             samples: self.pace.states(&found.legs, profile),

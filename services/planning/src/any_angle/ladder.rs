@@ -1,17 +1,20 @@
 //! The rungs, from the taut path to the lattice, and which of their motions is taken.
 
 use std::f64::consts::FRAC_PI_2;
-use std::mem;
 
 use super::disc::Disc;
 use super::measure::{Contact, cost, measure};
 use super::taut::{TautPath, TautSearch};
-use super::{CONTACT, Errand, Found, NoMotion, PRECISION, Wish, bound, refusal, safest};
+use super::{
+    CONTACT, Errand, Found, NoMotion, PRECISION, Wish, backwards, bound, fuse, refusal, safest,
+};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::clearance_rectangle_pose;
+use crate::driving::rules::TurnRule;
 use crate::driving::{SAME_HEADING, StartTurn, shortest_turn};
-use crate::geometry::Vector;
-use crate::motion::{Curve, Leg, Rung, wrapped};
+use crate::free_space::floor::{NONE, Reflex};
+use crate::geometry::{Direction, Sign, Vector};
+use crate::motion::{Curve, Leg, Rule, Rung, wrapped};
 
 /// Lines up to this length are left out, metres: the arcs beside them touch.
 const NO_LINE: f64 = 1e-12;
@@ -20,7 +23,7 @@ const NO_LINE: f64 = 1e-12;
 const RADII: usize = 4;
 
 /// How often the radius at a corner that is in the way is made larger.
-const MOST_CHANGES: usize = 16;
+const MOST_CHANGES: usize = 8;
 
 /// What a motion must keep.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +38,6 @@ pub(super) struct Target {
 #[derive(Debug, Default)]
 pub struct Planner {
     pub(super) taut: TautSearch,
-    spare: Found,
     /// Corners with a radius of their own, metres.
     radii: Vec<(u32, f64)>,
 }
@@ -88,8 +90,46 @@ fn check_ends(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<(), NoMotion> 
     Ok(())
 }
 
-/// The shortest motion that keeps what is asked for.
+/// The least costly motion that keeps what is asked for, forwards or backwards.
 pub(super) fn shortest(
+    errand: &Errand<'_>,
+    target: Target,
+    planner: &mut Planner,
+    found: &mut Found,
+    budget: &Budget<'_>,
+) -> Result<(), NoMotion> {
+    let forwards = one_way(errand, target, planner, found, budget);
+    let is_blocked = matches!(forwards, Err(NoMotion::Blocked { .. }));
+    if !(is_blocked || forwards.is_ok() && errand.abilities.reverse) {
+        return forwards;
+    }
+    let mut back = Found::default();
+    let flipped = backwards::flipped(errand);
+    let backwards = match one_way(&flipped, target, planner, &mut back, budget) {
+        Ok(()) => true,
+        Err(NoMotion::Spent(Spent::Limit { .. })) if forwards.is_ok() => {
+            found.is_complete = false;
+            false
+        }
+        Err(NoMotion::Spent(spent)) => return Err(spent.into()),
+        Err(_) => false,
+    };
+    match forwards {
+        _ if !backwards => forwards,
+        Err(NoMotion::Blocked { wall, turning, .. }) if !errand.abilities.reverse => {
+            Err(NoMotion::Blocked { wall, turning, reverse_helps: true })
+        }
+        Ok(()) if cost(errand, &found.legs) <= cost(errand, &back.legs) => Ok(()),
+        _ => {
+            backwards::turn_round(&mut back.legs);
+            *found = back;
+            Ok(())
+        }
+    }
+}
+
+/// The shortest motion that keeps what is asked for, all forwards.
+fn one_way(
     errand: &Errand<'_>,
     target: Target,
     planner: &mut Planner,
@@ -103,14 +143,31 @@ pub(super) fn shortest(
     let Some(path) = taut_path(errand, radius, planner, budget)? else {
         return Err(refusal::no_way(errand, radius, planner, budget)?);
     };
-    let legs = legs_of(errand, &path, Rung::Taut);
-    let Some(contact) = fits(errand, target, legs, found, budget)? else { return Ok(()) };
-    let other = wider(errand, target, (&path, contact), planner, found, budget);
-    match other {
-        Ok(true) => Ok(()),
-        Ok(false) => Err(refusal::blocked(errand, found, &contact)),
-        Err(spent) => Err(spent.into()),
+    if let Some(path) = fused(errand, &path, radius, budget)?
+        && fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?.is_empty()
+    {
+        return Ok(());
     }
+    let contacts = fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?;
+    let Some(first) = contacts.first().copied() else { return Ok(()) };
+    let blocked = refusal::blocked(errand, found, &first);
+    if wider(errand, target, (path, contacts), planner, found, budget)? {
+        return Ok(());
+    }
+    Err(blocked)
+}
+
+/// The path with runs of small turns replaced by single arcs; `None` if there are none.
+fn fused(
+    errand: &Errand<'_>,
+    path: &TautPath,
+    radius: f64,
+    budget: &Budget<'_>,
+) -> Result<Option<TautPath>, Spent> {
+    let Errand { start, goal, walls, floor, .. } = errand;
+    let ends = [start.position, goal.position];
+    let disc = Disc::new(radius, ends, (walls, floor.rounding()), budget)?;
+    fuse::fused(path, &disc, budget)
 }
 
 /// The taut path of a disc, with larger radii at some corners.
@@ -138,39 +195,40 @@ fn taut_path(
     )
 }
 
-/// Whether a motion keeps what is asked for; otherwise where it does not.
+/// The legs on which a motion does not keep what is asked for; none if it does.
 fn fits(
     errand: &Errand<'_>,
     target: Target,
     legs: Vec<Leg<2>>,
     found: &mut Found,
     budget: &Budget<'_>,
-) -> Result<Option<Contact>, Spent> {
-    let contact = measure(errand, legs, found, budget)?;
-    if contact.is_some() {
-        return Ok(contact);
+) -> Result<Vec<Contact>, Spent> {
+    let mut contacts = measure(errand, legs, found, budget)?;
+    if !errand.abilities.turn_in_place {
+        let legs = found.legs.iter().enumerate();
+        let turns =
+            legs.filter(|(_, leg)| matches!(leg.curve, Curve::Turn { sweep, .. } if sweep != 0.0));
+        contacts.extend(turns.map(|(leg, _)| Contact { leg, wall: None }));
     }
-    let turns = |leg: &Leg<2>| matches!(leg.curve, Curve::Turn { sweep, .. } if sweep != 0.0);
-    if !errand.abilities.turn_in_place
-        && let Some(leg) = found.legs.iter().position(turns)
+    if let Some(least) = target.least
+        && contacts.is_empty()
     {
-        return Ok(Some(Contact { leg, wall: None }));
+        bound::measure_free_clearance(errand, found, budget)?;
+        if found.free_clearance < least - PRECISION {
+            let wall = found.clearance.map(|clearance| clearance.wall);
+            let near = found.leg_clearances.iter().enumerate();
+            let near = near.filter(|(_, clearance)| **clearance < least - PRECISION);
+            contacts.extend(near.map(|(leg, _)| Contact { leg, wall }));
+        }
     }
-    let Some(least) = target.least else { return Ok(None) };
-    bound::measure_free_clearance(errand, found, budget)?;
-    if found.free_clearance >= least - PRECISION {
-        return Ok(None);
-    }
-    let nearest = found.leg_clearances.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-    let wall = found.clearance.map(|clearance| clearance.wall);
-    Ok(nearest.map(|(leg, _)| Contact { leg, wall }))
+    Ok(contacts)
 }
 
-/// The least costly motion about larger circles; whether there is one.
+/// A motion about larger circles; whether there is one.
 fn wider(
     errand: &Errand<'_>,
     target: Target,
-    (path, contact): (&TautPath, Contact),
+    (mut path, mut contacts): (TautPath, Vec<Contact>),
     planner: &mut Planner,
     found: &mut Found,
     budget: &Budget<'_>,
@@ -178,29 +236,24 @@ fn wider(
     let least = errand.footprint.width() / 2.0 + target.gap;
     // Where the turning circle has this room, the robot keeps its gap in any heading.
     let most = errand.footprint.swing_radius() + target.gap;
-    let levels = |level: usize| least + (most - least) * level as f64 / RADII as f64;
-    let mut best: Option<(f64, Found)> = None;
-    let mut offer = |planner: &mut Planner, candidate: &mut Found| {
-        let cost = cost(errand, &candidate.legs);
-        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-            let other = mem::replace(candidate, mem::take(&mut planner.spare));
-            best = Some((cost, other));
-        }
-    };
+    let step = (most - least) / RADII as f64;
     // Larger circles only where something is in the way.
-    let (mut path, mut contact) = (path.clone(), contact);
     planner.radii.clear();
     for _ in 0..MOST_CHANGES {
+        let mut corners = Vec::new();
+        for contact in &contacts {
+            corners_at(&path, &found.legs, contact.leg, &mut corners);
+        }
+        corners.sort_unstable();
+        corners.dedup();
+        budget.step((corners.len() * (1 + planner.radii.len())) as u64)?;
         let mut changed = false;
-        for vertex in corners_at(&path, &found.legs, contact.leg) {
-            let known = planner.radii.iter_mut().find(|(other, _)| *other == vertex);
-            let step = (most - least) / RADII as f64;
-            match known {
-                Some((_, radius)) if *radius < most => {
+        for vertex in corners {
+            match planner.radii.iter_mut().find(|(other, _)| *other == vertex) {
+                Some((_, radius)) => {
+                    changed |= *radius < most;
                     *radius = (*radius + step).min(most);
-                    changed = true;
                 }
-                Some(_) => {}
                 None => {
                     planner.radii.push((vertex, least + step));
                     changed = true;
@@ -212,55 +265,55 @@ fn wider(
         }
         let Some(next) = taut_path(errand, least, planner, budget)? else { break };
         path = next;
-        match fits(errand, target, legs_of(errand, &path, Rung::Radius), found, budget)? {
-            None => {
-                offer(planner, found);
-                break;
-            }
-            Some(next) => contact = next,
+        contacts = fits(errand, target, legs_of(errand, &path, Rung::Radius), found, budget)?;
+        if contacts.is_empty() {
+            return Ok(true);
         }
     }
     planner.radii.clear();
     // And everywhere.
     for level in 1..=RADII {
-        let Some(path) = taut_path(errand, levels(level), planner, budget)? else { break };
-        if fits(errand, target, legs_of(errand, &path, Rung::Radius), found, budget)?.is_none() {
-            offer(planner, found);
-            break;
+        let radius = least + step * level as f64;
+        let Some(path) = taut_path(errand, radius, planner, budget)? else { break };
+        let path = fused(errand, &path, radius, budget)?.unwrap_or(path);
+        let legs = legs_of(errand, &path, Rung::Radius);
+        if fits(errand, target, legs, found, budget)?.is_empty() {
+            return Ok(true);
         }
     }
-    let Some((_, motion)) = best else { return Ok(false) };
-    planner.spare = mem::replace(found, motion);
-    found.gap = target.gap;
-    found.is_complete = true;
-    Ok(true)
+    Ok(false)
 }
 
-/// The corners about which a leg turns, or between which it runs.
-fn corners_at(path: &TautPath, legs: &[Leg<2>], leg: usize) -> Vec<u32> {
+/// Appends the corners about which a leg turns, or between which it runs.
+fn corners_at(path: &TautPath, legs: &[Leg<2>], leg: usize, corners: &mut Vec<u32>) {
     let turn = |index: usize| path.turns.get(index).map(|turn| turn.vertex);
-    let Some(leg) = legs.get(leg) else { return Vec::new() };
+    let Some(leg) = legs.get(leg) else { return };
     match (leg.curve, leg.junction) {
-        (Curve::Arc { .. }, Some(junction)) => turn(junction).into_iter().collect(),
+        (Curve::Arc { .. }, Some(junction)) => corners.extend(turn(junction)),
         (Curve::Line { .. }, Some(junction)) => {
-            let before = junction.checked_sub(1).and_then(turn);
-            before.into_iter().chain(turn(junction)).collect()
+            corners.extend(junction.checked_sub(1).and_then(turn));
+            corners.extend(turn(junction));
         }
-        (Curve::Line { .. }, None) => {
-            path.turns.last().map(|turn| turn.vertex).into_iter().collect()
-        }
+        (Curve::Line { .. }, None) => corners.extend(path.turns.last().map(|turn| turn.vertex)),
         (Curve::Turn { .. }, _) => {
             let turns = [path.turns.first(), path.turns.last()];
-            turns.into_iter().flatten().map(|turn| turn.vertex).collect()
+            corners.extend(turns.into_iter().flatten().map(|turn| turn.vertex));
         }
-        (Curve::Arc { .. }, None) => Vec::new(),
+        (Curve::Arc { .. }, None) => {}
     }
 }
 
 /// The legs along a taut path.
 fn legs_of(errand: &Errand<'_>, path: &TautPath, rung: Rung) -> Vec<Leg<2>> {
     let mut legs = Vec::with_capacity(2 * path.turns.len() + 3);
-    let leg = |curve, junction| Leg { curve, junction, rule: None, rung: Some(rung) };
+    let leg = |curve, junction: Option<usize>| {
+        let rule = junction.and_then(|junction| {
+            let turn = &path.turns[junction];
+            let corner = (turn.vertex != NONE).then(|| errand.floor.corner(turn.vertex))??;
+            rule_at(corner, turn.circle.signed_radius)
+        });
+        Leg { curve, junction, rule, rung: Some(rung) }
+    };
     let mut heading = wrapped(errand.start.heading);
     let lines = path.turns.iter().map(|turn| &turn.arrival).chain([&path.last]);
     for (index, line) in lines.enumerate() {
@@ -310,6 +363,21 @@ fn legs_of(errand: &Errand<'_>, path: &TautPath, rung: Rung) -> Vec<Leg<2>> {
         legs.push(leg(turn_in_place(errand.start.position, heading, 0.0), None));
     }
     legs
+}
+
+/// The rule of Table 2 for a turn about a corner, to the left if the radius is positive; `None`
+/// unless its walls are parallel to the axes.
+fn rule_at(corner: &Reflex, signed_radius: f64) -> Option<Rule> {
+    let sense = signed_radius.signum();
+    let along = |normal: &Vector<2>| {
+        // The robot touches the corner on its left, or on its right.
+        let way = Vector::<2>::new(-sense * normal.y, sense * normal.x);
+        let axis = (0..2).find(|axis| way[1 - axis] == 0.0)?;
+        Some(Direction { axis, sign: Sign::of(way[axis]) })
+    };
+    let [first, last] = &corner.normals;
+    let (from, to) = if sense > 0.0 { (first, last) } else { (last, first) };
+    TurnRule::of(along(from)?, along(to)?).map(TurnRule::name)
 }
 
 fn turn_in_place(position: Vector<2>, from_heading: f64, sweep: f64) -> Curve<2> {

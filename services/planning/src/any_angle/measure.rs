@@ -15,23 +15,24 @@ pub(super) struct Contact {
     pub(super) wall: Option<Vector<2>>,
 }
 
-/// Measures a motion leg by leg, up to the first contact.
+/// Measures a motion leg by leg; returns where it touches walls, one place for each leg.
 pub(super) fn measure(
     errand: &Errand<'_>,
     legs: Vec<Leg<2>>,
     found: &mut Found,
     budget: &Budget<'_>,
-) -> Result<Option<Contact>, Spent> {
+) -> Result<Vec<Contact>, Spent> {
     found.legs = legs;
     found.leg_clearances.clear();
     let footprint = &errand.footprint;
     let mut whole = Met::NOTHING;
     let mut travelled = 0.0;
     let mut guess = footprint.width().max(footprint.length());
+    let mut contacts = Vec::new();
     for (index, leg) in found.legs.iter().enumerate() {
         let met = rectangle::nearest(footprint, &leg.curve, errand.walls, guess, budget)?;
         if met.value <= CONTACT {
-            return Ok(Some(Contact { leg: index, wall: Some(met.wall) }));
+            contacts.push(Contact { leg: index, wall: Some(met.wall) });
         }
         let length = leg.curve.length();
         whole.offer(met.value, travelled + met.along * length, met.wall);
@@ -41,7 +42,7 @@ pub(super) fn measure(
     }
     found.length = travelled;
     found.clearance = whole.clearance();
-    Ok(None)
+    Ok(contacts)
 }
 
 /// What a motion costs: its length, the angle turned in place, and the stops on the way.

@@ -173,10 +173,8 @@ fn enclosed(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<NoMotion, Spent>
 
 /// A disc can pass, and the robot can't.
 pub(super) fn blocked(errand: &Errand<'_>, found: &Found, contact: &Contact) -> NoMotion {
-    let turning = found
-        .legs
-        .get(contact.leg)
-        .is_some_and(|leg| matches!(leg.curve, Curve::Turn { .. }));
+    let turning =
+        found.legs.get(contact.leg).is_some_and(|leg| matches!(leg.curve, Curve::Turn { .. }));
     let wall = contact.wall.unwrap_or(errand.start.position);
     NoMotion::Blocked { wall, turning, reverse_helps: false }
 }

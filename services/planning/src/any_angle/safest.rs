@@ -100,7 +100,7 @@ impl Search<'_, '_> {
             clearance > most + PRECISION || (clearance >= most - PRECISION && cost < *least)
         });
         if is_better {
-            let _ = mem::replace(&mut self.best, Some((clearance, cost, found)));
+            self.best = Some((clearance, cost, found));
         }
         Ok(true)
     }

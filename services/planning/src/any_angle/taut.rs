@@ -325,25 +325,26 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             if sees_apex && self.is_within_reach(&sight, &floor.vertex(sight.apex(face))) {
                 self.offer_turns(root, sight.apex(face))?;
             }
-            match further {
-                // Straight on, without a detour through the heap.
-                [Some(only), None] | [None, Some(only)] => {
-                    let mut only = only;
-                    let Some(least) = self.least(root, &mut only) else { return Ok(()) };
-                    if self.search.heap.peek().is_some_and(|next| next.least < least) {
-                        self.push(least, root, Step::Look(only));
-                        return Ok(());
-                    }
-                    budget.step(STEPS_PER_SIGHT)?;
-                    sight = only;
-                }
-                both => {
-                    for sight in both.into_iter().flatten() {
-                        self.offer_sight(root, sight);
-                    }
-                    return Ok(());
-                }
+            // On through the nearer junction, without a detour through the heap.
+            let offered = further.map(|sight| {
+                let mut sight = sight?;
+                Some((self.least(root, &mut sight)?, sight))
+            });
+            let (next, other) = match offered {
+                [Some(right), Some(left)] if right.0 <= left.0 => (right, Some(left)),
+                [Some(right), Some(left)] => (left, Some(right)),
+                [Some(only), None] | [None, Some(only)] => (only, None),
+                [None, None] => return Ok(()),
+            };
+            if let Some((least, sight)) = other {
+                self.push(least, root, Step::Look(sight));
             }
+            if self.search.heap.peek().is_some_and(|top| top.least < next.0) {
+                self.push(next.0, root, Step::Look(next.1));
+                return Ok(());
+            }
+            budget.step(STEPS_PER_SIGHT)?;
+            sight = next.1;
         }
     }
 

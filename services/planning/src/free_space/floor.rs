@@ -131,5 +131,3 @@ impl Floor {
         side_of_line(from, &self.vertices[to as usize], &self.vertices[point as usize])
     }
 }
-
-
