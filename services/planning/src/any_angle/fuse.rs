@@ -62,11 +62,11 @@ pub(super) fn fused(
                 first = end;
                 match path.turns.get(end) {
                     Some(next) => {
-                        let arrival = between(departure, next.arrival.to);
+                        let arrival = shortened(&next.arrival, departure);
                         turns.push(TautTurn { arrival, ..*next });
                         first += 1;
                     }
-                    None => last = between(departure, path.last.to),
+                    None => last = shortened(&path.last, departure),
                 }
             }
             None => {
@@ -202,10 +202,7 @@ fn fuse(
     Ok(best)
 }
 
-/// The line between two points.
-fn between(from: Vector<2>, to: Vector<2>) -> Tangent {
-    let way = to - from;
-    let length = way.norm();
-    let direction = if length > 0.0 { way / length } else { Vector::from([1.0, 0.0]) };
-    Tangent { from, to, direction, length }
+/// A line that begins later, at a point on it.
+fn shortened(line: &Tangent, from: Vector<2>) -> Tangent {
+    Tangent { from, length: (line.to - from).norm(), ..*line }
 }

@@ -318,7 +318,7 @@ fn legs_of(errand: &Errand<'_>, path: &TautPath, rung: Rung) -> Vec<Leg<2>> {
     let lines = path.turns.iter().map(|turn| &turn.arrival).chain([&path.last]);
     for (index, line) in lines.enumerate() {
         let has_line = line.length > NO_LINE;
-        let next = if has_line || index > 0 {
+        let next = if has_line || !path.turns.is_empty() {
             libm::atan2(line.direction.y, line.direction.x)
         } else {
             heading

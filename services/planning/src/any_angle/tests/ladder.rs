@@ -1,0 +1,176 @@
+//! Motions of all rungs: continuous, free of walls by dense sampling, and no shorter than their
+//! bound.
+
+use proptest::prelude::*;
+
+use super::scene::{Room, floor, rooms};
+use crate::any_angle::{Abilities, Costs, Errand, Found, NoMotion, Planner, Wish, drive};
+use crate::budget::Budget;
+use crate::clearance::rectangle::Footprint;
+use crate::driving::{Goal, Pose, StartTurn};
+use crate::free_space::walls::Walls;
+use crate::geometry::distance::distance_segment_segment;
+use crate::geometry::{Vector, rotated, unit};
+use crate::motion::{Curve, wrapped};
+
+/// The pose at a part of a curve.
+fn pose(curve: &Curve<2>, part: f64) -> (Vector<2>, f64) {
+    match *curve {
+        Curve::Line { from, to, heading, turned } => {
+            (from + (to - from) * part, heading - turned * (1.0 - part))
+        }
+        Curve::Arc { center, radius, start_angle, sweep, .. } => {
+            let angle = start_angle + part * sweep;
+            (center + unit(angle) * radius, curve.start_heading() + part * sweep)
+        }
+        Curve::Turn { position, from_heading, sweep } => (position, from_heading + part * sweep),
+    }
+}
+
+/// The least distance of the rectangle from all walls.
+fn distance(footprint: &Footprint, (at, heading): (Vector<2>, f64), walls: &Walls<2>) -> f64 {
+    let (half, front, rear) = (footprint.width() / 2.0, footprint.front(), footprint.rear());
+    let way = unit(heading);
+    let corners = [[front, half], [-rear, half], [-rear, -half], [front, -half]];
+    let corners = corners.map(|corner| at + rotated(&Vector::from(corner), &way));
+    let mut least = f64::INFINITY;
+    for wall in walls.as_slice() {
+        for index in 0..4 {
+            let side = (&corners[index], &corners[(index + 1) % 4]);
+            let near = distance_segment_segment(side, (&wall.from, &wall.to));
+            least = least.min(near.distance);
+        }
+        // Inside of the rectangle altogether.
+        let seen = crate::geometry::unrotated(&(wall.from - at), &way);
+        if -rear < seen.x && seen.x < front && seen.y.abs() < half {
+            least = 0.0;
+        }
+    }
+    least
+}
+
+#[track_caller]
+fn check(errand: &Errand<'_>, found: &Found) {
+    let (mut at, mut heading) = (errand.start.position, wrapped(errand.start.heading));
+    let mut length = 0.0;
+    for (leg, clearance) in found.legs.iter().zip(&found.leg_clearances) {
+        let curve = &leg.curve;
+        assert!((curve.start() - at).norm() < 1e-9, "{at:?} {curve:?}");
+        assert!(wrapped(curve.start_heading() - heading).abs() < 1e-9, "{heading} {curve:?}");
+        let steps = 2 + ((curve.length() + curve.turned().abs()) * 50.0) as usize;
+        for step in 0..=steps {
+            let pose = pose(curve, step as f64 / steps as f64);
+            let distance = distance(&errand.footprint, pose, errand.walls);
+            assert!(distance >= clearance - 1e-9, "{distance} < {clearance} {curve:?}");
+        }
+        assert!(*clearance > 0.0);
+        if curve.is_reverse() {
+            assert!(errand.abilities.reverse);
+        }
+        length += curve.length();
+        (at, heading) = (curve.end(), curve.end_heading());
+    }
+    assert!((errand.goal.position - at).norm() < 1e-9);
+    if let Some(goal) = errand.goal.heading {
+        assert!(wrapped(goal - heading).abs() < 1e-9);
+    }
+    assert!((found.length - length).abs() < 1e-9);
+    assert!(found.bound <= found.length + 1e-9, "{} {}", found.bound, found.length);
+    let least = found.leg_clearances.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((found.clearance.unwrap().value - least).abs() < 1e-9);
+    assert!(found.free_clearance >= least - 1e-9);
+}
+
+fn footprints() -> impl Strategy<Value = Footprint> {
+    let sizes = (0.1..0.8f64, 0.1..0.8f64, 0.1..0.8f64);
+    prop_oneof![
+        (0.1..0.8f64, 0.1..1.2f64).prop_map(|(width, length)| Footprint::new(width, length)),
+        sizes.prop_map(|(width, front, rear)| Footprint::offset(width, front, rear)),
+    ]
+    .prop_map(Result::unwrap)
+}
+
+/// Where the robot stands and where it goes, with what it may do.
+fn ends() -> impl Strategy<Value = (Pose, Goal, bool)> {
+    let point = || prop::array::uniform2(0.3..9.7f64);
+    (point(), -3.1..3.1f64, point(), prop::option::of(-3.1..3.1f64), any::<bool>()).prop_map(
+        |(start, from, goal, to, reverse)| {
+            let start = Pose { position: start.into(), heading: from };
+            (start, Goal { position: goal.into(), heading: to }, reverse)
+        },
+    )
+}
+
+fn with_errand<T>(
+    room: &Room,
+    footprint: Footprint,
+    (start, goal, reverse): (Pose, Goal, bool),
+    run: impl FnOnce(&Errand<'_>) -> T,
+) -> T {
+    let walls = room.walls(|point| point);
+    let floor = floor(&walls);
+    run(&Errand {
+        footprint,
+        start,
+        goal,
+        start_turn: StartTurn::InPlace,
+        abilities: Abilities { reverse, ..Abilities::default() },
+        costs: Costs::default(),
+        walls: &walls,
+        floor: &floor,
+    })
+}
+
+fn find(errand: &Errand<'_>, wish: Wish, planner: &mut Planner) -> Result<Found, NoMotion> {
+    let mut found = Found::default();
+    drive(errand, wish, planner, &mut found, &Budget::default()).map(|()| found)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn motions_are_free_and_no_shorter_than_their_bound(
+        room in rooms(),
+        footprint in footprints(),
+        ends in ends(),
+        gap in 0.001..0.4f64,
+    ) {
+        let (start, goal, _) = ends;
+        prop_assume!(!room.is_taken(&start.position, 0.0) && !room.is_taken(&goal.position, 0.0));
+        with_errand(&room, footprint, ends, |errand| {
+            let mut planner = Planner::default();
+            if let Ok(found) = find(errand, Wish::Gap(gap), &mut planner) {
+                check(errand, &found);
+                let is_taut = found.legs.iter().all(|leg| leg.rung == Some(crate::motion::Rung::Taut));
+                if is_taut && found.free_clearance >= gap {
+                    assert!(found.length <= 1.001 * found.bound + 1e-9, "{found:?}");
+                }
+            }
+            if let Ok(found) = find(errand, Wish::AtLeast(gap), &mut planner) {
+                check(errand, &found);
+                assert!(found.free_clearance >= gap - 1e-9);
+            }
+        });
+    }
+
+    #[test]
+    fn no_gap_beats_the_safest(room in rooms(), footprint in footprints(), ends in ends()) {
+        let (start, goal, _) = ends;
+        prop_assume!(!room.is_taken(&start.position, 0.0) && !room.is_taken(&goal.position, 0.0));
+        with_errand(&room, footprint, ends, |errand| {
+            let mut planner = Planner::default();
+            let safest = find(errand, Wish::Safest, &mut planner);
+            if let Ok(found) = &safest {
+                check(errand, found);
+            }
+            for gap in 1..=50 {
+                let gap = f64::from(gap) * 0.02;
+                let Ok(found) = find(errand, Wish::Gap(gap), &mut planner) else { continue };
+                let safest = safest.as_ref().expect("a motion, as with a gap");
+                let [least, most] = [&found, safest].map(|found| found.clearance.unwrap().value);
+                assert!(most >= least - 1e-9, "gap {gap}: {least} > {most}");
+            }
+        });
+    }
+}
