@@ -255,7 +255,41 @@ pub(crate) fn nearest(
     guess: f64,
     budget: &Budget<'_>,
 ) -> Result<Met, Spent> {
-    let near = (walls, guess, budget);
+    let met = meet_walls(footprint, curve, (walls, Look::Within(guess), budget))?;
+    if met.value <= guess {
+        return Ok(met);
+    }
+    meet_walls(footprint, curve, (walls, Look::Everywhere, budget))
+}
+
+/// Whether the body stays farther than `least` metres from all walls over one curve.
+pub(crate) fn stays_clear(
+    footprint: &Footprint,
+    curve: &Curve<2>,
+    walls: &Walls<2>,
+    least: f64,
+    budget: &Budget<'_>,
+) -> Result<bool, Spent> {
+    Ok(meet_walls(footprint, curve, (walls, Look::Until(least), budget))?.value > least)
+}
+
+/// Which walls are looked at.
+#[derive(Debug, Clone, Copy)]
+enum Look {
+    /// All within this reach, metres.
+    Within(f64),
+    /// All that can be the nearest.
+    Everywhere,
+    /// All within this reach, metres, up to the first that is met there.
+    Until(f64),
+}
+
+fn meet_walls(
+    footprint: &Footprint,
+    curve: &Curve<2>,
+    near: (&Walls<2>, Look, &Budget<'_>),
+) -> Result<Met, Spent> {
+    let budget = near.2;
     match *curve {
         Curve::Line { from, to, heading, turned } => {
             if turned == 0.0 {
@@ -288,25 +322,28 @@ pub(crate) fn nearest(
     }
 }
 
-/// Meets all walls that are near enough to matter. At first walls farther than the guess
-/// are left out, so a result within the guess is final.
 fn search(
-    (walls, guess, budget): (&Walls<2>, f64, &Budget<'_>),
+    (walls, look, budget): (&Walls<2>, Look, &Budget<'_>),
     (min, max): (Vector<2>, Vector<2>),
     meet: impl Fn(&Wall<2>, &mut Met) -> Result<(), Spent>,
 ) -> Result<Met, Spent> {
     let mut met = Met::NOTHING;
     let mut spent = Ok(());
-    walls.near(&min, &max, guess, budget, |_, wall| {
-        if spent.is_ok() {
-            spent = meet(wall, &mut met);
-        }
-    })?;
-    if met.value > guess {
-        met = Met::NOTHING;
+    if let Look::Within(reach) = look {
+        walls.near(&min, &max, reach, budget, |_, wall| {
+            if spent.is_ok() {
+                spent = meet(wall, &mut met);
+            }
+        })?;
+    } else {
         walls.nearest(&min, &max, budget, |_, wall| {
             spent = meet(wall, &mut met);
-            if spent.is_ok() { met.value + TIE } else { -1.0 }
+            match look {
+                _ if spent.is_err() => -1.0,
+                Look::Until(least) if met.value <= least => -1.0,
+                Look::Until(least) => least,
+                _ => met.value + TIE,
+            }
         })?;
     }
     spent.map(|()| met)

@@ -1,0 +1,196 @@
+//! The last rungs of the ladder: turns in place anywhere, and a search over poses.
+//!
+//! [`aligned`] joins places where the robot can turn by straight lines, above all those through
+//! narrow passages. [`search`] knows poses in narrow places too, and arcs. It is complete at its [`Resolution`]. What they find is shortened. Both work in
+//! the frame of the start pose, so that a scene that is moved or turned has the same answer.
+
+use super::Errand;
+use crate::budget::{Budget, Spent};
+use crate::motion::Curve;
+
+use explore::{Headings, Manner};
+use field::Field;
+use passage::Axis;
+use probe::Probe;
+use steer::Steering;
+use way::Way;
+
+mod car;
+mod explore;
+mod field;
+mod passage;
+mod probe;
+mod shorten;
+mod smooth;
+mod steer;
+mod table;
+mod way;
+
+#[cfg(test)]
+mod tests;
+
+/// How finely a search looks.
+#[derive(Debug, Clone, Copy)]
+struct Level {
+    /// Side of a bin, as a part of the footprint's width.
+    bin: f64,
+    /// Even parts of a turn.
+    headings: u16,
+    /// Whether there are poses where the robot can't turn.
+    is_fine: bool,
+    /// Steps of the budget after which it ends.
+    most_steps: u64,
+}
+
+const COARSE: Level = Level { bin: 0.25, headings: 16, is_fine: false, most_steps: 30_000_000 };
+
+const FINE: Level = Level { bin: 0.125, headings: 16, is_fine: true, most_steps: 40_000_000 };
+
+/// Sides of bins in the search with arcs, as parts of the footprint's width: the next one where
+/// the one before finds nothing.
+const BINS: [f64; 2] = [0.25, 0.125];
+
+/// Steps of the budget after which each of them ends.
+const MOST_STEPS: u64 = 40_000_000;
+
+/// Its least radius, as a part of the footprint's width.
+const LEAST_RADIUS: f64 = 0.5;
+
+/// How finely poses are told apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Resolution {
+    /// Side of a bin, metres.
+    pub(super) step: f64,
+    /// Headings in a turn.
+    pub(super) headings: usize,
+}
+
+/// Memory that is used again from one search to the next.
+#[derive(Debug, Default)]
+pub(super) struct LatticeMemory {
+    field: Field,
+    axes: Vec<Axis>,
+    headings: Headings,
+    search: explore::Memory,
+    car: car::Memory,
+    resolution: Option<Resolution>,
+}
+
+impl LatticeMemory {
+    /// The memory that it holds, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.field.bytes()
+            + self.search.bytes()
+            + self.car.bytes()
+            + self.axes.capacity() * size_of::<Axis>()
+    }
+
+    /// The resolution of the last search; `None` if there was no way even for a disc.
+    pub(super) fn resolution(&self) -> Option<Resolution> {
+        self.resolution
+    }
+}
+
+/// Straight lines between places where the robot can turn. `least` is what every leg keeps from
+/// the walls, metres. The curves lead from the start to the goal; `None` if no such motion is
+/// found.
+pub(super) fn aligned(
+    errand: &Errand<'_>,
+    least: f64,
+    memory: &mut LatticeMemory,
+    budget: &Budget<'_>,
+) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    if !errand.abilities.turn_in_place {
+        return Ok(None);
+    }
+    let probe = Probe::new(errand, least, budget);
+    if !lay_out(&probe, memory)? {
+        return Ok(None);
+    }
+    straight(&probe, COARSE, memory)
+}
+
+/// The search over poses. `least` is what every leg keeps from the walls, metres. The curves lead
+/// from the start to the goal; `None` if there are none at the memory's
+/// [resolution](LatticeMemory::resolution).
+pub(super) fn search(
+    errand: &Errand<'_>,
+    least: f64,
+    memory: &mut LatticeMemory,
+    budget: &Budget<'_>,
+) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    let probe = Probe::new(errand, least, budget);
+    if !lay_out(&probe, memory)? {
+        return Ok(None);
+    }
+    if errand.abilities.turn_in_place {
+        let found = straight(&probe, FINE, memory)?;
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    steered(&probe, memory)
+}
+
+/// The way for a disc and the narrow passages; returns whether there is a way for a disc.
+fn lay_out(probe: &Probe<'_>, memory: &mut LatticeMemory) -> Result<bool, Spent> {
+    memory.resolution = None;
+    let is_reached = memory.field.build(probe)?;
+    if is_reached {
+        passage::find(probe, &memory.field, &mut memory.axes)?;
+    }
+    Ok(is_reached)
+}
+
+fn straight(
+    probe: &Probe<'_>,
+    level: Level,
+    memory: &mut LatticeMemory,
+) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    memory.headings.set(probe, level.headings, &memory.axes);
+    let bin = level.bin * probe.errand.footprint.width();
+    let headings = memory.headings.all.len();
+    memory.resolution = Some(Resolution { step: bin, headings });
+    let Level { is_fine, most_steps, .. } = level;
+    let manner = Manner { bin, is_fine, most_steps };
+    let LatticeMemory { field, axes, headings, search, .. } = memory;
+    let Some(mut way) = explore::explore(probe, (field, headings, axes), manner, search)? else {
+        return Ok(None);
+    };
+    finish(&mut way, probe)
+}
+
+fn steered(probe: &Probe<'_>, memory: &mut LatticeMemory) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    let Errand { footprint, abilities, costs, .. } = probe.errand;
+    let radius = abilities.min_turn_radius.max(LEAST_RADIUS * footprint.width());
+    let turn = abilities.turn_in_place.then_some(costs.turn);
+    let steering = Steering { radius, reverse: abilities.reverse, stop: costs.stop, turn };
+    for bin in BINS {
+        let step = bin * footprint.width();
+        memory.resolution = Some(Resolution { step, headings: usize::from(car::HEADINGS) });
+        let manner = car::Manner { steering: &steering, bin: step, most_steps: MOST_STEPS };
+        let found = car::explore(probe, &mut memory.field, manner, &mut memory.car)?;
+        let Some(mut track) = found else { continue };
+        let rough = track.clone();
+        smooth::smooth(&mut track, &steering, probe)?;
+        let curves = smooth::curves(&track, &steering, probe)?;
+        return match curves {
+            Some(curves) => Ok(Some(curves)),
+            None => smooth::curves(&rough, &steering, probe),
+        };
+    }
+    Ok(None)
+}
+
+/// The curves of a way, shortened if rounding lets it.
+fn finish(way: &mut Way, probe: &Probe<'_>) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    if !way.check(probe)? {
+        return Ok(None);
+    }
+    let found = way.clone();
+    shorten::shorten(way, probe)?;
+    match way.curves(probe)? {
+        Some(curves) => Ok(Some(curves)),
+        None => found.curves(probe),
+    }
+}

@@ -1,0 +1,268 @@
+//! The search with arcs, for robots that can't turn in place, and for places where straight lines
+//! don't lead on (hybrid A*, see [`explore`](super::explore)).
+
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+
+use super::explore::Open;
+use super::field::{DETOUR, Field};
+use super::probe::Probe;
+use super::steer::{Along, Piece, Place, Steering, Word};
+use super::table::{NOTHING, Table};
+use crate::budget::{Cap, Held, Spent};
+use crate::driving::shortest_turn;
+use crate::geometry::Vector;
+
+/// Bins in a turn.
+pub(super) const HEADINGS: u16 = 64;
+
+/// Length of a move, in bins: it ends in another one.
+const MOVE: f64 = 1.51;
+
+/// Steps of the budget that a node, and a move, takes.
+const STEPS_PER_NODE: u64 = 10;
+const STEPS_PER_MOVE: u64 = 30;
+
+const GOAL: u64 = u64::MAX;
+
+/// Where the robot can turn anywhere, poses are alike whatever their heading.
+const ANY: u64 = 0xFFFF;
+
+/// There it drives on in these parts of a turn.
+const WAYS_ON: u16 = 32;
+
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    place: Place,
+    /// The motion that leads there.
+    word: Word,
+    cost: f64,
+    before: u32,
+    key: u64,
+    can_turn: bool,
+}
+
+/// Memory of a search.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    nodes: Vec<Node>,
+    heap: BinaryHeap<Open>,
+    table: Table,
+    words: Vec<Word>,
+}
+
+impl Memory {
+    pub(super) fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>()
+            + self.heap.capacity() * size_of::<Open>()
+            + self.table.bytes()
+    }
+}
+
+/// Places and the motions between them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Track {
+    pub(super) places: Vec<Place>,
+    pub(super) words: Vec<Word>,
+}
+
+/// How a search is made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Manner<'a> {
+    pub(super) steering: &'a Steering,
+    /// Side of a bin, metres.
+    pub(super) bin: f64,
+    /// Steps of the budget after which it ends.
+    pub(super) most_steps: u64,
+}
+
+/// The least costly track found, or `None`.
+pub(super) fn explore(
+    probe: &Probe<'_>,
+    field: &mut Field,
+    manner: Manner<'_>,
+    memory: &mut Memory,
+) -> Result<Option<Track>, Spent> {
+    memory.nodes.clear();
+    memory.heap.clear();
+    memory.table.clear();
+    let mut held = Held::new(probe.budget, memory.table.bytes())?;
+    let Manner { steering, bin, most_steps } = manner;
+    let most_steps = probe.budget.drawn(Cap::Steps).saturating_add(most_steps);
+    let mut search = Explore { probe, field, steering, bin, memory };
+    let place = Place { at: Vector::zeros(), heading: 0.0 };
+    search.reach(NOTHING, 0.0, (place, Word::NOTHING))?;
+    // A move is long enough to leave its bin, and turns by a bin of headings at least.
+    let turn = 1.01 * TAU / f64::from(HEADINGS);
+    let size = (MOVE * bin).max(steering.radius * turn);
+    let mut until_shot = 0_u32;
+    while let Some(Open { node: index, .. }) = search.memory.heap.pop() {
+        probe.budget.step(STEPS_PER_NODE)?;
+        let node = search.memory.nodes[index as usize];
+        if search.memory.table.get(node.key) != Some(index) {
+            continue;
+        }
+        if node.key == GOAL {
+            return Ok(Some(search.track_to(index)));
+        }
+        if probe.budget.drawn(Cap::Steps) > most_steps {
+            break;
+        }
+        if until_shot == 0 {
+            search.shoot(index, &node)?;
+            // The nearer the goal, the more often.
+            until_shot = (search.way_left(&node.place.at) / (4.0 * size)) as u32;
+        } else {
+            until_shot -= 1;
+        }
+        if node.can_turn {
+            search.drive_anywhere(index, &node, size)?;
+        } else {
+            search.drive_on(index, &node, size, turn)?;
+        }
+        held.resize(search.memory.bytes())?;
+    }
+    Ok(None)
+}
+
+struct Explore<'a, 'm> {
+    probe: &'a Probe<'a>,
+    field: &'m mut Field,
+    steering: &'a Steering,
+    bin: f64,
+    memory: &'m mut Memory,
+}
+
+impl Explore<'_, '_> {
+    fn drive_on(&mut self, index: u32, node: &Node, size: f64, turn: f64) -> Result<(), Spent> {
+        for along in [Along::Line, Along::Circle(1.0), Along::Circle(-1.0)] {
+            for back in self.steering.senses() {
+                self.offer(index, node, &[Piece { along, size, back: *back }])?;
+            }
+        }
+        if self.steering.turn.is_some() {
+            for along in [Along::Turn(1.0), Along::Turn(-1.0)] {
+                self.offer(index, node, &[Piece { along, size: turn, back: false }])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// After a turn in place by any angle.
+    fn drive_anywhere(&mut self, index: u32, node: &Node, size: f64) -> Result<(), Spent> {
+        for way in 0..WAYS_ON {
+            let heading = TAU * f64::from(way) / f64::from(WAYS_ON);
+            let angle = shortest_turn(node.place.heading, heading);
+            let along = Along::Turn(1.0_f64.copysign(angle));
+            let turn = Piece { along, size: angle.abs(), back: false };
+            for back in self.steering.senses() {
+                let line = Piece { along: Along::Line, size, back: *back };
+                self.offer(index, node, &[turn, line])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn offer(&mut self, index: u32, node: &Node, pieces: &[Piece]) -> Result<(), Spent> {
+        self.probe.budget.step(STEPS_PER_MOVE)?;
+        let mut place = node.place;
+        for piece in pieces {
+            place = self.steering.follow(&place, piece);
+        }
+        let word = self.steering.word(pieces);
+        let cost = node.cost + word.cost + self.steering.cost_of_change(&node.word, &word);
+        let is_known = [ANY, self.slot(&place)]
+            .into_iter()
+            .all(|slot| self.is_beaten(self.key(&place, slot), cost));
+        if is_known
+            || self.way_left(&place.at).is_infinite()
+            || self.steering.drive(&node.place, word.pieces(), self.probe)?.is_none()
+        {
+            return Ok(());
+        }
+        self.reach(index, cost, (place, word))
+    }
+
+    fn reach(&mut self, before: u32, cost: f64, (place, word): (Place, Word)) -> Result<(), Spent> {
+        let can_turn = self.steering.turn.is_some()
+            && (self.field.clear_at_least(self.probe, &place.at)? >= self.probe.swing
+                || self.probe.can_turn(&place.at)?);
+        let key = self.key(&place, if can_turn { ANY } else { self.slot(&place) });
+        if !self.is_beaten(key, cost) {
+            self.push(Node { place, word, cost, before, key, can_turn });
+        }
+        Ok(())
+    }
+
+    /// Tries to drive to the goal from here.
+    fn shoot(&mut self, index: u32, node: &Node) -> Result<(), Spent> {
+        let known = self.memory.table.get(GOAL);
+        let most = known.map_or(f64::INFINITY, |goal| self.memory.nodes[goal as usize].cost);
+        let mut words = std::mem::take(&mut self.memory.words);
+        let goal = (&self.probe.goal, self.probe.goal_heading);
+        // Much longer ones are better found move by move.
+        let detour = 1.5 * self.way_left(&node.place.at) + 8.0 * self.bin;
+        let most = most.min(node.cost + detour + TAU * self.steering.radius);
+        self.steering.join(&node.place, goal, most - node.cost, &mut words, self.probe)?;
+        let mut found = None;
+        for word in &words {
+            if let Some(place) = self.steering.drive(&node.place, word.pieces(), self.probe)? {
+                found = Some((*word, place));
+                break;
+            }
+        }
+        self.memory.words = words;
+        if let Some((word, place)) = found {
+            let cost = node.cost + word.cost + self.steering.cost_of_change(&node.word, &word);
+            if !self.is_beaten(GOAL, cost) {
+                let (before, key, can_turn) = (index, GOAL, false);
+                self.push(Node { place, word, cost, before, key, can_turn });
+            }
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, node: Node) {
+        let index = self.memory.nodes.len() as u32;
+        let left = if node.key == GOAL { 0.0 } else { self.way_left(&node.place.at) };
+        self.memory.nodes.push(node);
+        self.memory.table.set(node.key, index);
+        let least = libm::round((node.cost + left) / (1e-6 * self.bin)) as u64;
+        self.memory.heap.push(Open { least, node: index });
+    }
+
+    fn is_beaten(&self, key: u64, cost: f64) -> bool {
+        let known = self.memory.table.get(key);
+        known.is_some_and(|known| self.memory.nodes[known as usize].cost <= cost + 1e-6 * self.bin)
+    }
+
+    fn way_left(&self, at: &Vector<2>) -> f64 {
+        let straight = (self.probe.goal - at).norm();
+        straight.max(self.field.to_goal(at) / DETOUR - self.field.step)
+    }
+
+    fn key(&self, place: &Place, slot: u64) -> u64 {
+        let part = |x: f64| libm::round(x / self.bin) as i64 as u64 & 0x7F_FFFF;
+        part(place.at.x) << 39 | part(place.at.y) << 16 | slot
+    }
+
+    fn slot(&self, place: &Place) -> u64 {
+        let turn = libm::round(place.heading / TAU * f64::from(HEADINGS)) as i64;
+        turn.rem_euclid(i64::from(HEADINGS)) as u64
+    }
+
+    fn track_to(&self, goal: u32) -> Track {
+        let mut track = Track::default();
+        let mut index = goal;
+        while let Some(node) = self.memory.nodes.get(index as usize) {
+            track.places.push(node.place);
+            if node.before != NOTHING {
+                track.words.push(node.word);
+            }
+            index = node.before;
+        }
+        track.places.reverse();
+        track.words.reverse();
+        track
+    }
+}

@@ -1,0 +1,192 @@
+//! Exact answers about poses and short motions, in the frame of the start pose.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::any_angle::disc::distance_to;
+use crate::any_angle::{CONTACT, Errand};
+use crate::budget::{Budget, Spent};
+use crate::clearance::rectangle::stays_clear;
+use crate::driving::{SAME_HEADING, shortest_turn};
+use crate::geometry::{Vector, rotated, unit, unrotated};
+use crate::motion::{Curve, wrapped};
+
+/// Steps of the budget that looking at a point, or at a motion, takes beside its walls.
+const STEPS_PER_LOOK: u64 = 4;
+
+/// Lines longer than this part of the turning circle's radius are looked at piece by piece: the
+/// box around a slanted line holds many walls that are far from it.
+const PIECE: f64 = 8.0;
+
+/// What a search asks the walls. Points and headings are those of the start pose's frame: the
+/// start is the origin and heads along x.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Probe<'a> {
+    pub(super) errand: &'a Errand<'a>,
+    pub(super) budget: &'a Budget<'a>,
+    /// What every motion keeps from the walls, metres.
+    needs: f64,
+    /// A circle of this radius about the reference point is free: so is every heading, metres.
+    pub(super) swing: f64,
+    /// The reference point is nowhere nearer to a wall, metres.
+    pub(super) inner: f64,
+    /// Where the goal is, metres.
+    pub(super) goal: Vector<2>,
+    /// The heading at the goal, radians.
+    pub(super) goal_heading: Option<f64>,
+    /// The start's heading.
+    axis: Vector<2>,
+}
+
+impl<'a> Probe<'a> {
+    pub(super) fn new(errand: &'a Errand<'a>, least: f64, budget: &'a Budget<'a>) -> Self {
+        let Errand { footprint, start, goal, .. } = errand;
+        let rounding = position_rounding(&start.position, &goal.position);
+        let needs = least.max(CONTACT) + 2.0 * rounding;
+        let axis = unit(start.heading);
+        let half = footprint.width() / 2.0;
+        Self {
+            errand,
+            budget,
+            needs,
+            swing: footprint.swing_radius() + needs + rounding,
+            inner: half.min(footprint.front()).min(footprint.rear()) + needs,
+            goal: unrotated(&(goal.position - start.position), &axis),
+            goal_heading: goal.heading.map(|heading| wrapped(heading - start.heading)),
+            axis,
+        }
+    }
+
+    /// The gap that the robot needs to pass in line, metres.
+    pub(super) fn width(&self) -> f64 {
+        self.errand.footprint.width() + 2.0 * self.needs
+    }
+
+    pub(super) fn to_world(&self, point: &Vector<2>) -> Vector<2> {
+        if *point == self.goal {
+            return self.errand.goal.position;
+        }
+        self.errand.start.position + rotated(point, &self.axis)
+    }
+
+    pub(super) fn to_local(&self, point: &Vector<2>) -> Vector<2> {
+        unrotated(&(point - self.errand.start.position), &self.axis)
+    }
+
+    pub(super) fn world_heading(&self, heading: f64) -> f64 {
+        wrapped(self.errand.start.heading + heading)
+    }
+
+    /// The distance of a point from the walls, at most `most`; metres.
+    pub(super) fn distance(&self, point: &Vector<2>, most: f64) -> Result<f64, Spent> {
+        let point = self.to_world(point);
+        let mut least = most;
+        let mut looks = STEPS_PER_LOOK;
+        self.errand.walls.near(&point, &point, most, self.budget, |_, wall| {
+            looks += 1;
+            least = least.min(distance_to(wall, &point));
+        })?;
+        self.budget.step(looks)?;
+        Ok(least)
+    }
+
+    /// Whether the robot can turn anywhere here.
+    pub(super) fn can_turn(&self, point: &Vector<2>) -> Result<bool, Spent> {
+        Ok(self.distance(point, self.swing)? >= self.swing)
+    }
+
+    /// The straight line between two points, driven forwards or backwards.
+    pub(super) fn line(&self, from: &Vector<2>, to: &Vector<2>, back: bool) -> Curve<2> {
+        let [from, to] = [from, to].map(|point| self.to_world(point));
+        let way = to - from;
+        let direction = libm::atan2(way.y, way.x);
+        let heading = if back { wrapped(direction + PI) } else { direction };
+        Curve::Line { from, to, heading, turned: 0.0 }
+    }
+
+    /// Whether the robot can drive straight from one point to another.
+    pub(super) fn is_line_free(
+        &self,
+        from: &Vector<2>,
+        to: &Vector<2>,
+        back: bool,
+    ) -> Result<bool, Spent> {
+        let way = to - from;
+        let length = way.norm();
+        if length < CONTACT {
+            return Ok(true);
+        }
+        let pieces = (length / (PIECE * self.swing)).ceil().clamp(1.0, 1e6);
+        let mut piece = 0.0;
+        while piece < pieces {
+            let ends = [piece, piece + 1.0]
+                .map(|end| if end == pieces { *to } else { from + way * (end / pieces) });
+            if !self.is_free(&self.line(&ends[0], &ends[1], back))? {
+                return Ok(false);
+            }
+            piece += 1.0;
+        }
+        Ok(true)
+    }
+
+    /// Whether a motion keeps what it must from the walls.
+    pub(super) fn is_free(&self, curve: &Curve<2>) -> Result<bool, Spent> {
+        self.budget.step(STEPS_PER_LOOK)?;
+        let Errand { footprint, walls, .. } = self.errand;
+        stays_clear(footprint, curve, walls, self.needs, self.budget)
+    }
+
+    /// The least angle to turn in place from one heading to another, as far as walls let it;
+    /// `None` if neither way round is free.
+    pub(super) fn turn(&self, at: &Vector<2>, from: f64, to: f64) -> Result<Option<f64>, Spent> {
+        let sweep = shortest_turn(from, to);
+        if sweep.abs() <= SAME_HEADING || self.can_turn(at)? {
+            return Ok(Some(sweep));
+        }
+        let position = self.to_world(at);
+        let from_heading = self.world_heading(from);
+        for sweep in [sweep, sweep - TAU.copysign(sweep)] {
+            if self.is_free(&Curve::Turn { position, from_heading, sweep })? {
+                return Ok(Some(sweep));
+            }
+        }
+        Ok(None)
+    }
+
+    /// From a point straight in a direction: how far the robot drives until it can turn, metres.
+    /// `None` if it can't within `most`, or gets too near to a wall before.
+    pub(super) fn way_to_turn(
+        &self,
+        from: &Vector<2>,
+        direction: &Vector<2>,
+        most: f64,
+    ) -> Result<Option<f64>, Spent> {
+        // Beyond the first place by a little, so that rounding does not matter.
+        let (least_step, beyond) = (0.02 * self.swing, 1e-3 * self.swing);
+        let mut way = 0.0;
+        while way <= most {
+            let lacks = self.swing - self.distance(&(from + direction * way), self.swing)?;
+            if lacks <= 0.0 {
+                let further = way + beyond;
+                let can_turn = self.can_turn(&(from + direction * further))?;
+                return Ok(Some(if can_turn { further } else { way }));
+            }
+            if lacks >= self.swing - 0.5 * self.inner {
+                return Ok(None);
+            }
+            way += lacks.max(least_step);
+        }
+        Ok(None)
+    }
+
+    /// The turn between two headings that differ by no more than rounding at a line's ends is
+    /// left out.
+    pub(super) fn same_heading(from: &Vector<2>, to: &Vector<2>) -> f64 {
+        let length = (to - from).norm();
+        SAME_HEADING.max(4.0 * position_rounding(from, to) / length)
+    }
+}
+
+/// How far computed positions may be off, metres.
+fn position_rounding(a: &Vector<2>, b: &Vector<2>) -> f64 {
+    4.0 * f64::EPSILON * a.amax().max(b.amax())
+}

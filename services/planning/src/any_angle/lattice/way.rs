@@ -1,0 +1,134 @@
+//! Straight legs and turns in place between them.
+
+use super::probe::Probe;
+use crate::budget::Spent;
+use crate::driving::shortest_turn;
+use crate::geometry::Vector;
+use crate::motion::{Curve, wrapped};
+
+/// Shorter lines are left out, metres.
+const NO_LINE: f64 = 1e-12;
+
+/// Sweeps up to this are no stop, radians.
+pub(super) const NO_TURN: f64 = 1e-9;
+
+/// Points joined by straight legs, in the start pose's frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Way {
+    pub(super) knots: Vec<Vector<2>>,
+    /// Whether the leg from each point to the next is driven backwards.
+    pub(super) backs: Vec<bool>,
+    /// The angle turned at each point; empty until the way is [checked](Way::check).
+    pub(super) sweeps: Vec<f64>,
+}
+
+impl Way {
+    /// The heading on a leg, radians.
+    pub(super) fn heading(&self, leg: usize) -> f64 {
+        let (from, to) = (&self.knots[leg], &self.knots[leg + 1]);
+        let way = if self.backs[leg] { from - to } else { to - from };
+        libm::atan2(way.y, way.x)
+    }
+
+    /// The headings before and after the turn at a point.
+    pub(super) fn headings_at(&self, knot: usize, probe: &Probe<'_>) -> [f64; 2] {
+        let before = match knot.checked_sub(1) {
+            Some(leg) => self.heading(leg),
+            None => 0.0,
+        };
+        let after = if knot < self.backs.len() {
+            self.heading(knot)
+        } else {
+            probe.goal_heading.unwrap_or(before)
+        };
+        [before, after]
+    }
+
+    /// Finds the turns; returns whether all legs and turns are free.
+    pub(super) fn check(&mut self, probe: &Probe<'_>) -> Result<bool, Spent> {
+        self.sweeps.clear();
+        for knot in 0..self.knots.len() {
+            let [before, after] = self.headings_at(knot, probe);
+            let Some(sweep) = probe.turn(&self.knots[knot], before, after)? else {
+                return Ok(false);
+            };
+            self.sweeps.push(sweep);
+        }
+        for (leg, back) in self.backs.iter().enumerate() {
+            if !probe.is_line_free(&self.knots[leg], &self.knots[leg + 1], *back)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// What a turn costs, with the stop for it; metres.
+    pub(super) fn cost_of_turn(&self, knot: usize, sweep: f64, probe: &Probe<'_>) -> f64 {
+        let costs = &probe.errand.costs;
+        let is_inside = 0 < knot && knot < self.backs.len();
+        let stops =
+            is_inside && (sweep.abs() > NO_TURN || self.backs[knot - 1] != self.backs[knot]);
+        costs.turn * sweep.abs() + if stops { costs.stop } else { 0.0 }
+    }
+
+    pub(super) fn length_of(&self, leg: usize) -> f64 {
+        (self.knots[leg + 1] - self.knots[leg]).norm()
+    }
+
+    /// What it costs, once it is checked; metres.
+    pub(super) fn cost(&self, probe: &Probe<'_>) -> f64 {
+        let turns = self.sweeps.iter().enumerate();
+        let turns: f64 = turns.map(|(knot, sweep)| self.cost_of_turn(knot, *sweep, probe)).sum();
+        turns + (0..self.backs.len()).map(|leg| self.length_of(leg)).sum::<f64>()
+    }
+
+    /// Its curves, if they are free with all rounding.
+    pub(super) fn curves(&self, probe: &Probe<'_>) -> Result<Option<Vec<Curve<2>>>, Spent> {
+        let mut curves = Vec::with_capacity(2 * self.knots.len());
+        let mut heading = wrapped(probe.errand.start.heading);
+        let turn = |knot: usize, from_heading: f64, to: f64| {
+            let short = shortest_turn(from_heading, to);
+            // The way round that was found free.
+            let turns = libm::round((self.sweeps[knot] - short) / std::f64::consts::TAU);
+            let sweep = short + turns * std::f64::consts::TAU;
+            let position = probe.to_world(&self.knots[knot]);
+            Curve::Turn { position, from_heading, sweep }
+        };
+        for leg in 0..self.backs.len() {
+            let line = probe.line(&self.knots[leg], &self.knots[leg + 1], self.backs[leg]);
+            let Curve::Line { from, to, heading: next, .. } = line else { continue };
+            if line.length() <= NO_LINE {
+                continue;
+            }
+            let same = Probe::same_heading(&from, &to);
+            if shortest_turn(heading, next).abs() <= same {
+                curves.push(Curve::Line { from, to, heading, turned: 0.0 });
+            } else {
+                curves.push(turn(leg, heading, next));
+                curves.push(line);
+                heading = next;
+            }
+        }
+        if let Some(goal) = probe.errand.goal.heading {
+            let last = self.knots.len() - 1;
+            let same = match curves.last() {
+                Some(Curve::Line { from, to, .. }) => Probe::same_heading(from, to),
+                _ => crate::driving::SAME_HEADING,
+            };
+            let goal = wrapped(goal);
+            if shortest_turn(heading, goal).abs() > same {
+                curves.push(turn(last, heading, goal));
+            }
+        }
+        if curves.is_empty() {
+            let position = probe.errand.start.position;
+            curves.push(Curve::Turn { position, from_heading: heading, sweep: 0.0 });
+        }
+        for curve in &curves {
+            if !probe.is_free(curve)? {
+                return Ok(None);
+            }
+        }
+        Ok(Some(curves))
+    }
+}
