@@ -3,7 +3,7 @@
 //! Free space is a [`Floor`]: faces are channels, the edges between them junctions. The robot
 //! follows the taut path of its guiding circles, straight lines and arcs about the corners of the
 //! walls. Where the rectangle does not fit along it, other ways are tried, rung by rung
-//! ([`Rung`](crate::motion::Rung)).
+//! ([`Rung`]).
 
 use thiserror::Error;
 
@@ -14,7 +14,7 @@ use crate::driving::{Goal, Pose, StartTurn};
 use crate::free_space::floor::Floor;
 use crate::free_space::walls::Walls;
 use crate::geometry::Vector;
-use crate::motion::Leg;
+use crate::motion::{Leg, Rung};
 
 mod backwards;
 mod bound;
@@ -120,6 +120,11 @@ pub struct Found {
 }
 
 impl Found {
+    /// Whether all legs are of one rung.
+    pub(crate) fn is_of(&self, rung: Rung) -> bool {
+        self.legs.iter().all(|leg| leg.rung == Some(rung))
+    }
+
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.legs.capacity() * size_of::<Leg<2>>()

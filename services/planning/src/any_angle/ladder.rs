@@ -1,12 +1,15 @@
 //! The rungs, from the taut path to the lattice, and which of their motions is taken.
 
 use std::f64::consts::FRAC_PI_2;
+use std::mem;
 
 use super::disc::Disc;
+use super::lattice::{self, LatticeMemory};
 use super::measure::{Contact, cost, measure};
 use super::taut::{TautPath, TautSearch};
 use super::{
-    CONTACT, Errand, Found, NoMotion, PRECISION, Wish, backwards, bound, fuse, refusal, safest,
+    Abilities, CONTACT, Errand, Found, NoMotion, PRECISION, Wish, backwards, bound, fuse, refusal,
+    safest,
 };
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::clearance_rectangle_pose;
@@ -28,6 +31,8 @@ const MOST_CHANGES: usize = 8;
 /// What a motion must keep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
+    /// Whether poses are searched where nothing else helps.
+    pub(super) searches_poses: bool,
     /// From the corners that it turns about, metres.
     pub(super) gap: f64,
     /// Its free clearance, metres; `None`: it must not touch.
@@ -40,12 +45,13 @@ pub struct Planner {
     pub(super) taut: TautSearch,
     /// Corners with a radius of their own, metres.
     radii: Vec<(u32, f64)>,
+    lattice: LatticeMemory,
 }
 
 impl Planner {
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
-        self.taut.bytes()
+        self.taut.bytes() + self.lattice.bytes()
     }
 
     /// To be called before it is used with another floor.
@@ -64,9 +70,15 @@ pub fn drive(
 ) -> Result<(), NoMotion> {
     check_ends(errand, budget)?;
     match wish {
-        Wish::Gap(gap) => shortest(errand, Target { gap, least: None }, planner, found, budget)?,
+        Wish::Gap(gap) => shortest(
+            errand,
+            Target { gap, least: None, searches_poses: true },
+            planner,
+            found,
+            budget,
+        )?,
         Wish::AtLeast(least) => {
-            let target = Target { gap: least, least: Some(least) };
+            let target = Target { gap: least, least: Some(least), searches_poses: true };
             shortest(errand, target, planner, found, budget)?;
         }
         Wish::Safest => safest::safest(errand, planner, found, budget)?,
@@ -90,7 +102,7 @@ fn check_ends(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<(), NoMotion> 
     Ok(())
 }
 
-/// The least costly motion that keeps what is asked for, forwards or backwards.
+/// The least costly motion that keeps what is asked for: the taut one, or that of the rungs.
 pub(super) fn shortest(
     errand: &Errand<'_>,
     target: Target,
@@ -98,46 +110,147 @@ pub(super) fn shortest(
     found: &mut Found,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
-    let forwards = one_way(errand, target, planner, found, budget);
-    let is_blocked = matches!(forwards, Err(NoMotion::Blocked { .. }));
-    if !(is_blocked || forwards.is_ok() && errand.abilities.reverse) {
-        return forwards;
-    }
-    let mut back = Found::default();
-    let flipped = backwards::flipped(errand);
-    let backwards = match one_way(&flipped, target, planner, &mut back, budget) {
-        Ok(()) => true,
-        Err(NoMotion::Spent(Spent::Limit { .. })) if forwards.is_ok() => {
-            found.is_complete = false;
-            false
+    let mut best = Best { cost: f64::INFINITY, motion: None, is_cut_short: false };
+    let taut = one_way(errand, target, planner, found, budget);
+    let blocked = match taut {
+        Ok(is_taut) => {
+            best.offer(errand, found);
+            // What is taut and forwards is only beaten by less turning.
+            if is_taut && !errand.abilities.reverse {
+                return best.take(found);
+            }
+            None
         }
-        Err(NoMotion::Spent(spent)) => return Err(spent.into()),
-        Err(_) => false,
+        Err(NoMotion::Blocked { wall, turning, .. }) => Some((wall, turning)),
+        Err(error) => return Err(error),
     };
-    match forwards {
-        _ if !backwards => forwards,
-        Err(NoMotion::Blocked { wall, turning, .. }) if !errand.abilities.reverse => {
-            Err(NoMotion::Blocked { wall, turning, reverse_helps: true })
+    if errand.abilities.reverse {
+        let back = one_way(&backwards::flipped(errand), target, planner, found, budget);
+        if best.takes(back)?.is_some() {
+            backwards::turn_round(&mut found.legs);
+            best.offer(errand, found);
         }
-        Ok(()) if cost(errand, &found.legs) <= cost(errand, &back.legs) => Ok(()),
-        _ => {
-            backwards::turn_round(&mut back.legs);
-            *found = back;
-            Ok(())
+    }
+    let is_taut = best.motion.as_ref().is_some_and(|motion| motion.is_of(Rung::Taut));
+    if !is_taut {
+        let other = poses(errand, target, Rung::Aligned, planner, found, budget);
+        if best.takes(other)? == Some(true) {
+            best.offer(errand, found);
         }
+    }
+    if best.motion.is_none() && target.searches_poses {
+        let other = poses(errand, target, Rung::Lattice, planner, found, budget);
+        if best.takes(other)? == Some(true) {
+            best.offer(errand, found);
+        }
+    }
+    match blocked {
+        Some((wall, turning)) if best.motion.is_none() => {
+            let reverse_helps = !errand.abilities.reverse
+                && target.searches_poses
+                && would_reverse_help(errand, target, planner, found, budget)?;
+            Err(NoMotion::Blocked { wall, turning, reverse_helps })
+        }
+        _ => best.take(found),
     }
 }
 
-/// The shortest motion that keeps what is asked for, all forwards.
+/// The least costly of several motions.
+struct Best {
+    cost: f64,
+    motion: Option<Found>,
+    /// Whether the budget ended before all were looked at.
+    is_cut_short: bool,
+}
+
+impl Best {
+    fn offer(&mut self, errand: &Errand<'_>, found: &mut Found) {
+        let cost = cost(errand, &found.legs);
+        if cost < self.cost {
+            self.cost = cost;
+            let before = self.motion.replace(mem::take(found));
+            *found = before.unwrap_or_default();
+        }
+    }
+
+    /// A result, unless there is none; where the budget ends after a motion was found, that
+    /// stands.
+    fn takes<T>(&mut self, result: Result<T, NoMotion>) -> Result<Option<T>, NoMotion> {
+        match result {
+            Ok(value) => Ok(Some(value)),
+            Err(NoMotion::Spent(Spent::Limit { .. })) if self.motion.is_some() => {
+                self.is_cut_short = true;
+                Ok(None)
+            }
+            Err(NoMotion::Spent(spent)) => Err(spent.into()),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn take(self, found: &mut Found) -> Result<(), NoMotion> {
+        if let Some(motion) = self.motion {
+            *found = motion;
+            found.is_complete = !self.is_cut_short;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a robot that may drive backwards would find a way.
+fn would_reverse_help(
+    errand: &Errand<'_>,
+    target: Target,
+    planner: &mut Planner,
+    found: &mut Found,
+    budget: &Budget<'_>,
+) -> Result<bool, Spent> {
+    let abilities = Abilities { reverse: true, ..errand.abilities };
+    let errand = Errand { abilities, ..*errand };
+    let target = Target { searches_poses: false, ..target };
+    match shortest(&errand, target, planner, found, budget) {
+        Ok(()) => Ok(true),
+        Err(NoMotion::Spent(spent @ Spent::Stopped)) => Err(spent),
+        Err(_) => Ok(false),
+    }
+}
+
+/// A motion between poses, by straight legs or by all means; whether there is one.
+fn poses(
+    errand: &Errand<'_>,
+    target: Target,
+    rung: Rung,
+    planner: &mut Planner,
+    found: &mut Found,
+    budget: &Budget<'_>,
+) -> Result<bool, NoMotion> {
+    let search = match rung {
+        Rung::Aligned => lattice::aligned,
+        _ => lattice::search,
+    };
+    // With less than the gap only what can't be had with it.
+    for least in [target.gap, 0.0] {
+        let Some(curves) = search(errand, least, &mut planner.lattice, budget)? else { continue };
+        let is_reverse = curves.iter().any(Curve::is_reverse);
+        let rung = if is_reverse && rung == Rung::Aligned { Rung::Reverse } else { rung };
+        let leg = |curve| Leg { curve, junction: None, rule: None, rung: Some(rung) };
+        let legs = curves.into_iter().map(leg).collect();
+        if fits(errand, target, legs, found, budget)?.is_empty() {
+            found.gap = target.gap;
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// The taut motion, or one about larger circles, all forwards; whether it is taut.
 fn one_way(
     errand: &Errand<'_>,
     target: Target,
     planner: &mut Planner,
     found: &mut Found,
     budget: &Budget<'_>,
-) -> Result<(), NoMotion> {
+) -> Result<bool, NoMotion> {
     found.gap = target.gap;
-    found.is_complete = true;
     let radius = errand.footprint.width() / 2.0 + target.gap;
     planner.radii.clear();
     let Some(path) = taut_path(errand, radius, planner, budget)? else {
@@ -146,13 +259,13 @@ fn one_way(
     if let Some(path) = fused(errand, &path, radius, budget)?
         && fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?.is_empty()
     {
-        return Ok(());
+        return Ok(true);
     }
     let contacts = fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?;
-    let Some(first) = contacts.first().copied() else { return Ok(()) };
+    let Some(first) = contacts.first().copied() else { return Ok(true) };
     let blocked = refusal::blocked(errand, found, &first);
     if wider(errand, target, (path, contacts), planner, found, budget)? {
-        return Ok(());
+        return Ok(false);
     }
     Err(blocked)
 }

@@ -10,6 +10,9 @@ use crate::budget::{Budget, Spent};
 /// Gaps looked at one by one, since more gap need not mean more clearance.
 const GAPS: usize = 32;
 
+/// How often poses are searched.
+const MOST_POSES: usize = 3;
+
 /// Finds the motion with the greatest free clearance, and among those within 1e-9 m of it the
 /// least costly.
 ///
@@ -32,10 +35,10 @@ pub(super) fn safest(
     }
     let mut search = Search { errand, planner, best: None, refused: None, budget };
     let (mut low, mut high) = (0.0, widest - half);
-    if !search.try_target(Target { gap: high, least: Some(high) })? {
+    if !search.try_target(at_least(high))? {
         for step in 1..GAPS {
             let gap = high * step as f64 / GAPS as f64;
-            search.try_target(Target { gap, least: None })?;
+            search.try_target(with_gap(gap))?;
         }
         search.refine(high / GAPS as f64, high)?;
         low = search.best_clearance().max(low);
@@ -44,12 +47,21 @@ pub(super) fn safest(
             if middle <= low || middle >= high {
                 break;
             }
-            if search.try_target(Target { gap: middle, least: Some(middle) })? {
+            if search.try_target(at_least(middle))? {
                 low = search.best_clearance().max(middle);
             } else {
                 high = middle;
             }
         }
+    }
+    // Where nothing else helps, poses are searched, for half of the clearance and so on.
+    let mut least = high / 2.0;
+    for _ in 0..MOST_POSES {
+        if search.best.is_some() {
+            break;
+        }
+        search.try_target(Target { searches_poses: true, ..at_least(least) })?;
+        least /= 4.0;
     }
     match search.best {
         Some((_, _, motion)) => {
@@ -61,6 +73,14 @@ pub(super) fn safest(
             None => Err(refusal::no_way(errand, half, search.planner, budget)?),
         },
     }
+}
+
+fn at_least(least: f64) -> Target {
+    Target { gap: least, least: Some(least), searches_poses: false }
+}
+
+fn with_gap(gap: f64) -> Target {
+    Target { gap, least: None, searches_poses: false }
 }
 
 struct Search<'a, 'b> {
@@ -114,7 +134,7 @@ impl Search<'_, '_> {
         let (mut low, mut high) = ((gap - step).max(0.0), (gap + step).min(most));
         let clearance_at = |search: &mut Self, gap: f64| -> Result<f64, NoMotion> {
             let before = search.best.take();
-            let there = search.try_target(Target { gap, least: None })?;
+            let there = search.try_target(with_gap(gap))?;
             let clearance = if there { search.best_clearance() } else { 0.0 };
             let after = mem::replace(&mut search.best, before);
             if let Some((clearance, cost, motion)) = after
