@@ -127,7 +127,7 @@ fn find(errand: &Errand<'_>, wish: Wish, planner: &mut Planner) -> Result<Found,
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
     fn motions_are_free_and_no_shorter_than_their_bound(
