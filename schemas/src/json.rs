@@ -8,7 +8,9 @@
 //! left out. JSON has no infinity and no NaN; these numbers are written as `null`.
 
 mod clearance;
+mod digest;
 mod fault;
+mod footprint;
 mod leg;
 mod read;
 mod reply;
@@ -69,8 +71,9 @@ pub struct UnreadableReply {
 /// );
 /// ```
 pub fn read_scene(text: &str) -> Result<SceneRequest, UnreadableScene> {
-    read::<SceneJson, _>(text, "scene", |scene| Ok(scene.into())).map_err(|(field, message)| {
-        UnreadableScene { id: tree::find_id(text), refusal: Refusal::invalid(field, message) }
+    read(text, "scene", SceneJson::into_message).map_err(|(field, message)| UnreadableScene {
+        id: tree::find_id(text),
+        refusal: Refusal::invalid(field, message),
     })
 }
 

@@ -1,20 +1,22 @@
 //! Messages as owned values: requests, replies and their parts.
 
 mod assemble;
+mod digest;
 mod named;
 mod reply;
 mod scene;
 mod vector;
 
 pub use assemble::{AssembleError, ReplyAssembler};
+pub use digest::{Digest, NotADigest};
 pub use reply::{
     Answer, Axis, Clearance, Curve, CurveKind, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule,
-    Trajectory,
+    Rung, Trajectory,
 };
 pub(crate) use reply::{optional_text, text};
 pub use scene::{
     AxisBox, Body, Choice, ClearanceWish, Direction, Footprint, FreeSpace, Gap, Goal, Limits, Pose,
-    Sampling, SceneRequest, Solid, StartTurn, Task,
+    Report, Sampling, SceneRequest, Solid, StartTurn, Task,
 };
 pub use vector::Vector;
 

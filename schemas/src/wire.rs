@@ -51,8 +51,48 @@ pub mod given {
     pub const DEADLINE: u64 = 1 << 10;
     /// `limits[0]`; the bits of the other limits follow.
     pub const LIMITS: u64 = 1 << 11;
+    /// `reverse`, whose value is [`switch::REVERSE`](super::switch::REVERSE).
+    pub const REVERSE: u64 = 1 << 16;
+    /// `turn_in_place`, whose value is [`switch::TURN_IN_PLACE`](super::switch::TURN_IN_PLACE).
+    pub const TURN_IN_PLACE: u64 = 1 << 17;
+    /// `min_turn_radius`
+    pub const MIN_TURN_RADIUS: u64 = 1 << 18;
+    /// `turn_cost`
+    pub const TURN_COST: u64 = 1 << 19;
+    /// `stop_cost`
+    pub const STOP_COST: u64 = 1 << 20;
+    /// `report`
+    pub const REPORT: u64 = 1 << 21;
+    /// `rear`: the footprint's point in the payload is (width, front).
+    pub const REAR: u64 = 1 << 22;
+    /// `named`
+    pub const NAMED: u64 = 1 << 23;
     /// All defined bits.
-    pub const ALL: u64 = (LIMITS << 5) - 1;
+    pub const ALL: u64 = (NAMED << 1) - 1;
+}
+
+/// Bits of [`RequestHeader::switches`]: the values of fields that are true or false.
+pub mod switch {
+    /// `reverse`
+    pub const REVERSE: u32 = 1;
+    /// `turn_in_place`
+    pub const TURN_IN_PLACE: u32 = 1 << 1;
+    /// All defined bits.
+    pub const ALL: u32 = (TURN_IN_PLACE << 1) - 1;
+}
+
+/// Bits of [`ReplyHeader::given`].
+pub mod reported {
+    /// `id`
+    pub const ID: u32 = 1;
+    /// `bound`
+    pub const BOUND: u32 = 1 << 1;
+    /// `free_clearance`
+    pub const FREE_CLEARANCE: u32 = 1 << 2;
+    /// The search for the trajectory ended before it was complete.
+    pub const INCOMPLETE: u32 = 1 << 3;
+    /// All defined bits.
+    pub const ALL: u32 = (INCOMPLETE << 1) - 1;
 }
 
 /// Bits of a refusal's `present` cell: the optional fields that are present.
@@ -127,6 +167,20 @@ pub struct RequestHeader {
     pub channels: u64,
     /// Solids in the payload.
     pub solids: u64,
+    /// See [`switch`].
+    pub switches: u32,
+    /// 0 full.
+    pub report: u32,
+    /// Least radius of the reference point's path, metres.
+    pub min_turn_radius: f64,
+    /// Metres per radian turned in place.
+    pub turn_cost: f64,
+    /// Metres per stop.
+    pub stop_cost: f64,
+    /// From the reference point back to the footprint's end, metres.
+    pub rear: f64,
+    /// SHA-256 that names an uploaded free space.
+    pub named: [u8; 32],
 }
 
 /// Start of every part of a reply.
@@ -143,10 +197,10 @@ pub struct ReplyHeader {
     pub sequence: u64,
     /// When it was sent, nanoseconds since the Unix epoch.
     pub sent_ns: u64,
-    /// The request's id if `has_id` is 1.
+    /// The request's id.
     pub id: u64,
-    /// 0 or 1.
-    pub has_id: u32,
+    /// See [`reported`].
+    pub given: u32,
     /// 1 for the last part.
     pub last: u32,
     /// Counts the parts, from 0.
@@ -183,6 +237,10 @@ pub struct ReplyHeader {
     pub samples: u32,
     /// Cells of a refusal in this part.
     pub refusal: u32,
+    /// Length of the shortest curve with the same free clearance, metres.
+    pub bound: f64,
+    /// Free clearance, metres.
+    pub free_clearance: f64,
 }
 
 /// A leg of a path in a reply's payload.
@@ -190,7 +248,11 @@ pub struct ReplyHeader {
 #[repr(C)]
 pub struct Leg {
     /// 0 line, 1 arc, 2 turn.
-    pub kind: u32,
+    pub kind: u16,
+    /// 0 for none, otherwise 1 + its code.
+    pub rung: u8,
+    /// 1: driven backwards; otherwise 0.
+    pub reverse: u8,
     /// Table of the rule, 0 for none.
     pub table: u16,
     /// Number of the rule in it.
@@ -217,7 +279,7 @@ pub struct Leg {
 
 /// A state of the motion: the rigid transform of the body as the request gave it
 /// (assembly tasks: the displacement from the assembled state; driving: the pose
-/// of the footprint's centre) and its rate of change.
+/// of the footprint's reference point) and its rate of change.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Sample {

@@ -64,11 +64,13 @@ fn check_refusal(refusal: &Refusal) {
 fn check_trajectory(trajectory: &Trajectory) {
     let most = small_caps().samples;
     assert!(trajectory.samples.len() as u64 <= most, "{} samples", trajectory.samples.len());
-    let Trajectory { length, duration, gaps, clearance, .. } = trajectory;
+    let Trajectory { length, duration, gaps, clearance, bound, free_clearance, .. } = trajectory;
     assert!(length.is_finite() && *length >= 0.0, "length {length}");
     assert!(duration.is_finite() && *duration >= 0.0, "duration {duration}");
     assert!(gaps.iter().all(|gap| gap.is_finite()), "gaps {gaps:?}");
     assert!(!clearance.value.is_nan() && clearance.at.is_finite(), "{clearance:?}");
+    assert!(bound.is_none_or(|bound| bound.is_finite() && bound >= 0.0), "bound {bound:?}");
+    assert!(!free_clearance.is_some_and(f64::is_nan), "free clearance {free_clearance:?}");
     for leg in &trajectory.legs {
         assert!(leg.length.is_finite() && !leg.clearance.is_nan(), "{leg:?}");
     }

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use ::recording::Writer;
 use schemas::codec;
-use schemas::convert::{self, CellWriter, PartSink};
+use schemas::convert::{self, CellWriter, Certificate, PartSink};
 use schemas::json;
 use schemas::message::{
-    ClearanceWish, ErrorCode, Refusal, ReplyPart, Request, RequestContent, RequestKey, Sampling,
-    SceneRequest,
+    ClearanceWish, ErrorCode, Refusal, ReplyPart, Request, RequestContent, RequestKey, Rung,
+    Sampling, SceneRequest,
 };
-use schemas::wire::{ReplyHeader, RequestHeader};
+use schemas::wire::{LEG_CELLS, Leg, ReplyHeader, RequestHeader, SAMPLE_CELLS};
 
 use crate::limits::small_caps;
 
@@ -35,6 +35,28 @@ const SCENES: [&str; 7] = [
 /// The files whose lines are scenes.
 const LINES: [&str; 4] = ["drives.jsonl", "no-route.jsonl", "refusals.jsonl", "routes.jsonl"];
 
+/// Robots anywhere, with all that a request can say of them, and a free space by name.
+const ROBOTS: [(&str, &str); 2] = [
+    (
+        "drive-anywhere",
+        r#"{"task": "drive", "free_space": {"solids": [{"polygon": [[2, 2], [5, 3], [4, 6]]}],
+        "bounds": {"min": [0, 0], "max": [9, 8]}},
+        "body": {"footprint": {"width": 0.6, "front": 0.75, "rear": 0.25}},
+        "start": {"position": [1, 2], "heading": 0}, "goal": {"position": [8, 7], "heading": 1.5},
+        "reverse": true, "turn_in_place": true, "min_turn_radius": 0.75, "turn_cost": 0.5,
+        "stop_cost": 0.125, "report": "full", "sampling": {"count": 5},
+        "clearance": {"each": [0.1, {"at_least": 0.05}, "safest"]}}"#,
+    ),
+    (
+        "drive-named",
+        r#"{"task": "drive", "free_space": {"named":
+        "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"},
+        "body": {"footprint": {"width": 1, "length": 2}},
+        "start": {"position": [1, 2], "heading": 0}, "goal": {"position": [3, 4]},
+        "clearance": {"at_least": 0.25}}"#,
+    ),
+];
+
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../recordings/scenes")
 }
@@ -55,6 +77,7 @@ pub(crate) fn scene() -> Seeds {
             seeds.push((format!("{}-{index}", stem(name)), line.into()));
         }
     }
+    seeds.extend(ROBOTS.map(|(name, text)| (name.to_owned(), text.into())));
     seeds
 }
 
@@ -120,8 +143,30 @@ fn exchanges() -> Vec<Exchange> {
     };
     let mut parts = Parts(Vec::new());
     let Ok(()) = answer::Workspace::refuse(&request_cells(&scene).0, &refusal, &mut parts);
+    exchanges.push(certified(&exchanges));
     exchanges.push(("refusal".to_owned(), scene, parts.0));
     exchanges
+}
+
+/// The robot's exchange with what a trajectory has beside its path. Made here, so that another
+/// path leaves the seeds as they are.
+fn certified(exchanges: &[Exchange]) -> Exchange {
+    let robot = exchanges.iter().find(|(name, ..)| name == "drive-a");
+    let (_, scene, mut parts) = robot.expect("a robot's exchange").clone();
+    for (header, cells) in &mut parts {
+        header.set_certificate(Certificate {
+            bound: Some(19.5),
+            free_clearance: Some(0.25),
+            complete: false,
+        });
+        let after = LEG_CELLS * header.legs as usize + SAMPLE_CELLS * header.samples as usize;
+        let legs = cells.len() - after..cells.len() - SAMPLE_CELLS * header.samples as usize;
+        let legs: &mut [Leg] = bytemuck::cast_slice_mut(&mut cells[legs]);
+        for (leg, rung) in legs.iter_mut().zip(Rung::ALL.iter().cycle()) {
+            (leg.rung, leg.reverse) = (Leg::rung_code(Some(*rung)), 1);
+        }
+    }
+    ("drive-certified".to_owned(), scene, parts)
 }
 
 fn request(scene: SceneRequest) -> Request {
@@ -186,7 +231,7 @@ pub(crate) fn message() -> Seeds {
 /// Recordings of one exchange each, and what an unfinished one has.
 pub(crate) fn recording() -> Seeds {
     let mut seeds = Vec::new();
-    for (name, scene, parts) in exchanges().into_iter().rev().take(2) {
+    for (name, scene, parts) in exchanges().into_iter().rev().take(3) {
         let mut bytes = Vec::new();
         let mut writer = Writer::new(&mut bytes).expect("memory takes bytes");
         writer.write_request(&request(scene), TIME_NS + 2).expect("memory takes bytes");

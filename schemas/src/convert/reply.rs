@@ -4,9 +4,9 @@ use super::cells::{CellReader, CellWriter, Malformed};
 use super::codes;
 use crate::message::{
     AxisBox, Clearance, Curve, Direction, ErrorCode, Leg, Refusal, ReplyPart, RequestKey, Rule,
-    Trajectory, Vector,
+    Rung, Trajectory, Vector,
 };
-use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS, present};
+use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS, present, reported};
 
 /// Takes the parts of a reply: shared memory, or a list in this process.
 pub trait PartSink {
@@ -137,6 +137,7 @@ pub fn write_refusal<S: PartSink>(
     let cells = 9 + texts.len() + texts.iter().map(|text| text.len().div_ceil(8)).sum::<usize>();
     (header.gaps, header.route, header.channels, header.legs, header.samples) = (0, 0, 0, 0, 0);
     header.kind = 1;
+    header.given &= reported::ID;
     header.refusal = cells as u32;
     header.last = u32::from(final_answer);
     sink.part(header, cells, |writer| {
@@ -179,6 +180,10 @@ pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malfo
         let (code, greatest) = (header.version.into(), wire::VERSION.into());
         return Err(Malformed::UnknownCode { what: "version", code, greatest });
     }
+    if header.given & !reported::ALL != 0 {
+        let (code, greatest) = (header.given.into(), reported::ALL.into());
+        return Err(Malformed::UnknownCode { what: "given", code, greatest });
+    }
     let mut cells = CellReader::new(cells);
     let content = match header.kind {
         0 => Ok(read_trajectory(header, &mut cells)?),
@@ -189,10 +194,9 @@ pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malfo
         }
     };
     cells.end()?;
-    let has_id = codes::value("has_id", &[false, true], header.has_id.into())?;
     Ok(ReplyPart {
         key: RequestKey { client: header.client, sequence: header.sequence },
-        id: has_id.then_some(header.id),
+        id: (header.given & reported::ID != 0).then_some(header.id),
         sent_ns: header.sent_ns,
         part: header.part,
         last: codes::value("last", &[false, true], header.last.into())?,
@@ -209,6 +213,7 @@ fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Traje
         return Err(Malformed::UnknownCode { what: "dimension", code, greatest: 3 });
     }
     let point = |values: &[f64]| Vector::new(&values[..dimension]).expect("two or three numbers");
+    let has = |bit: u32| header.given & bit != 0;
     let gaps = cells.take("gaps", header.gaps.into(), 1)?;
     let route = cells.take("route", header.route.into(), 1)?;
     let channels = cells.take("channels", header.channels.into(), 2 * dimension)?;
@@ -223,12 +228,15 @@ fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Traje
         gaps_per_junction: header.gaps_per_junction,
         exit: read_exit(header.exit)?,
         length: header.length,
+        bound: has(reported::BOUND).then_some(header.bound),
+        complete: !has(reported::INCOMPLETE),
         duration: header.duration,
         clearance: Clearance {
             value: header.clearance,
             at: header.clearance_at,
             wall: point(&header.wall),
         },
+        free_clearance: has(reported::FREE_CLEARANCE).then_some(header.free_clearance),
         gaps: bytemuck::cast_slice(gaps).to_vec(),
         route: route.to_vec(),
         channels: channels.collect(),
@@ -249,10 +257,39 @@ fn read_exit(exit: u32) -> Result<Option<Direction>, Malformed> {
     }
 }
 
+/// What a trajectory says beside its lists, its length and its clearance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// See [`Trajectory::bound`].
+    pub bound: Option<f64>,
+    /// See [`Trajectory::free_clearance`].
+    pub free_clearance: Option<f64>,
+    /// See [`Trajectory::complete`].
+    pub complete: bool,
+}
+
 impl wire::ReplyHeader {
+    /// Sets the fields of the next trajectory's certificate.
+    pub fn set_certificate(&mut self, certificate: Certificate) {
+        let Certificate { bound, free_clearance, complete } = certificate;
+        self.given &= reported::ID;
+        self.given |= bound.map_or(0, |_| reported::BOUND);
+        self.given |= free_clearance.map_or(0, |_| reported::FREE_CLEARANCE);
+        self.given |= if complete { 0 } else { reported::INCOMPLETE };
+        self.bound = bound.unwrap_or(0.0);
+        self.free_clearance = free_clearance.unwrap_or(0.0);
+    }
+
     /// The code of a way out for [`ReplyHeader::exit`].
     pub fn exit_code(exit: Option<Direction>) -> u32 {
         exit.map_or(0, |exit| 1 + codes::code(Direction::ALL, exit))
+    }
+}
+
+impl wire::Leg {
+    /// The code of a rung for [`wire::Leg::rung`].
+    pub fn rung_code(rung: Option<Rung>) -> u8 {
+        rung.map_or(0, |rung| 1 + codes::code(Rung::ALL, rung) as u8)
     }
 }
 
@@ -281,12 +318,18 @@ fn read_leg(leg: &wire::Leg, point: impl Fn(&[f64]) -> Vector) -> Result<Leg, Ma
             return Err(Malformed::UnknownCode { what: "leg", code, greatest: 2 });
         }
     };
+    let rung = match leg.rung {
+        0 => None,
+        code => Some(codes::value("rung", Rung::ALL, u64::from(code) - 1)?),
+    };
     Ok(Leg {
         curve,
         length: leg.length,
         clearance: leg.clearance,
         junction: (leg.junction != u64::MAX).then_some(leg.junction),
         rule: (leg.table != 0).then_some(Rule { table: leg.table, number: leg.number }),
+        reverse: codes::value("reverse", &[false, true], leg.reverse.into())?,
+        rung,
     })
 }
 

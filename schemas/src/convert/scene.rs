@@ -3,10 +3,11 @@
 use super::cells::{CellReader, Malformed, demand};
 use super::codes;
 use crate::message::{
-    AxisBox, Body, Choice, ClearanceWish, Direction, Footprint, FreeSpace, Gap, Goal, Limits, Pose,
-    Refusal, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
+    AxisBox, Body, Choice, ClearanceWish, Digest, Direction, Footprint, FreeSpace, Gap, Goal,
+    Limits, Pose, Refusal, Report, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task,
+    Vector,
 };
-use crate::wire::{RequestHeader, VERSION, given};
+use crate::wire::{RequestHeader, VERSION, given, switch};
 
 /// How many coordinates the scene's points have: 2 or 3, the same for all.
 pub fn dimension(scene: &SceneRequest) -> Result<u32, Refusal> {
@@ -159,6 +160,7 @@ fn write_options(scene: &SceneRequest, header: &mut RequestHeader) {
         header.given |= given::START_TURN;
         header.start_turn = codes::code(StartTurn::ALL, start_turn);
     }
+    write_robot(scene, header);
     if let Some(sampling) = scene.sampling {
         header.given |= given::SAMPLING;
         (header.sampling_kind, header.sampling) = match sampling {
@@ -187,6 +189,32 @@ fn write_options(scene: &SceneRequest, header: &mut RequestHeader) {
     }
 }
 
+fn write_robot(scene: &SceneRequest, header: &mut RequestHeader) {
+    for (value, bit, switch) in [
+        (scene.reverse, given::REVERSE, switch::REVERSE),
+        (scene.turn_in_place, given::TURN_IN_PLACE, switch::TURN_IN_PLACE),
+    ] {
+        header.given |= value.map_or(0, |_| bit);
+        header.switches |= if value == Some(true) { switch } else { 0 };
+    }
+    for (value, bit, place) in [
+        (scene.min_turn_radius, given::MIN_TURN_RADIUS, &mut header.min_turn_radius),
+        (scene.turn_cost, given::TURN_COST, &mut header.turn_cost),
+        (scene.stop_cost, given::STOP_COST, &mut header.stop_cost),
+    ] {
+        header.given |= value.map_or(0, |_| bit);
+        *place = value.unwrap_or(0.0);
+    }
+    if let Some(report) = scene.report {
+        header.given |= given::REPORT;
+        header.report = codes::code(Report::ALL, report);
+    }
+    if let Some(Digest(bytes)) = scene.free_space.named {
+        header.given |= given::NAMED;
+        header.named = bytes;
+    }
+}
+
 fn write_wish(wish: &ClearanceWish, header: &mut RequestHeader, cells: &mut Vec<u64>) {
     (header.wish_kind, header.choices) = match wish {
         ClearanceWish::Each(choices) => (1, choices.len() as u64),
@@ -200,12 +228,14 @@ fn write_wish(wish: &ClearanceWish, header: &mut RequestHeader, cells: &mut Vec<
         ClearanceWish::Gap(gap) => push_gap_choice(cells, gap),
         ClearanceWish::Gaps(gaps) => push_gaps_choice(cells, gaps),
         ClearanceWish::Safest => cells.push(2),
+        ClearanceWish::AtLeast(clearance) => cells.extend([3, clearance.to_bits()]),
         ClearanceWish::Each(choices) => {
             for choice in choices {
                 match choice {
                     Choice::Gap(gap) => push_gap_choice(cells, gap),
                     Choice::Gaps(gaps) => push_gaps_choice(cells, gaps),
                     Choice::Safest => cells.push(2),
+                    Choice::AtLeast(clearance) => cells.extend([3, clearance.to_bits()]),
                 }
             }
         }
@@ -243,8 +273,14 @@ fn write_body(body: &Body, header: &mut RequestHeader, cells: &mut Vec<u64>) {
             push_box(cells, sides);
             (1, 2)
         }
-        Body::Footprint(Footprint { width, length }) => {
+        Body::Footprint(Footprint::Centered { width, length }) => {
             cells.extend([width.to_bits(), length.to_bits()]);
+            (2, 1)
+        }
+        Body::Footprint(Footprint::Offset { width, front, rear }) => {
+            header.given |= given::REAR;
+            header.rear = *rear;
+            cells.extend([width.to_bits(), front.to_bits()]);
             (2, 1)
         }
     };
@@ -273,6 +309,10 @@ pub fn read_scene(
     if header.given & !given::ALL != 0 {
         let code = header.given;
         return Err(Malformed::UnknownCode { what: "given", code, greatest: given::ALL });
+    }
+    if header.switches & !switch::ALL != 0 {
+        let (code, greatest) = (header.switches.into(), switch::ALL.into());
+        return Err(Malformed::UnknownCode { what: "switches", code, greatest });
     }
     demand("reserved", header.reserved, 0, "in this version")?;
     let has = |bit: u64| header.given & bit != 0;
@@ -340,6 +380,17 @@ fn read_options(
         true => Some(codes::value("start_turn", StartTurn::ALL, header.start_turn.into())?),
         false => None,
     };
+    let switch = |bit, switch: u32| has(bit).then_some(header.switches & switch != 0);
+    scene.reverse = switch(given::REVERSE, switch::REVERSE);
+    scene.turn_in_place = switch(given::TURN_IN_PLACE, switch::TURN_IN_PLACE);
+    scene.min_turn_radius = has(given::MIN_TURN_RADIUS).then_some(header.min_turn_radius);
+    scene.turn_cost = has(given::TURN_COST).then_some(header.turn_cost);
+    scene.stop_cost = has(given::STOP_COST).then_some(header.stop_cost);
+    scene.report = match has(given::REPORT) {
+        true => Some(codes::value("report", Report::ALL, header.report.into())?),
+        false => None,
+    };
+    scene.free_space.named = has(given::NAMED).then_some(Digest(header.named));
     scene.sampling = match (has(given::SAMPLING), header.sampling_kind) {
         (false, _) => None,
         (true, 0) => Some(Sampling::Period(f64::from_bits(header.sampling))),
@@ -379,6 +430,7 @@ fn read_wish(
                 Choice::Gap(gap) => ClearanceWish::Gap(gap),
                 Choice::Gaps(gaps) => ClearanceWish::Gaps(gaps),
                 Choice::Safest => ClearanceWish::Safest,
+                Choice::AtLeast(clearance) => ClearanceWish::AtLeast(clearance),
             };
         }
         1 => {
@@ -424,7 +476,8 @@ fn read_choice(cells: &mut CellReader, choice: &mut Choice) -> Result<(), Malfor
             }
         }
         2 => *choice = Choice::Safest,
-        code => return Err(Malformed::UnknownCode { what: "choice", code, greatest: 2 }),
+        3 => *choice = Choice::AtLeast(f64::from_bits(cells.next("choice")?)),
+        code => return Err(Malformed::UnknownCode { what: "choice", code, greatest: 3 }),
     }
     Ok(())
 }
@@ -460,8 +513,11 @@ fn read_body(
         2 => {
             demand("dimension", header.dimension, 2, "for a footprint")?;
             demand("body_points", header.body_points, 1, "for a footprint")?;
-            let (width, length) = (f64::from_bits(taken[0]), f64::from_bits(taken[1]));
-            *body = Body::Footprint(Footprint { width, length });
+            let (width, along) = (f64::from_bits(taken[0]), f64::from_bits(taken[1]));
+            *body = Body::Footprint(match header.given & given::REAR {
+                0 => Footprint::Centered { width, length: along },
+                _ => Footprint::Offset { width, front: along, rear: header.rear },
+            });
         }
         code => {
             let code = code.into();

@@ -109,10 +109,13 @@ pub(super) enum GivenWish<'a> {
     Each(List<'a, Choice>),
     /// How many answers, without samples, from the shortest path to the safest.
     Curve(u64),
+    /// `drive` only: the least free clearance, metres; the answer is the shortest motion that
+    /// keeps it.
+    AtLeast(f64),
 }
 
 impl GivenWish<'_> {
-    const FIELDS: &'static [&'static str] = &["gap", "gaps", "each", "curve"];
+    const FIELDS: &'static [&'static str] = &["gap", "gaps", "each", "curve", "at_least"];
 }
 
 impl Serialize for WishJson<'_> {
@@ -136,7 +139,9 @@ impl<'de> Visitor<'de> for WishVisitor {
     type Value = WishJson<'static>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("\"safest\" or an object with one of `gap`, `gaps`, `each`, `curve`")
+        f.write_str(
+            "\"safest\" or an object with one of `gap`, `gaps`, `each`, `curve`, `at_least`",
+        )
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
@@ -159,6 +164,7 @@ impl<'a> From<&'a ClearanceWish> for WishJson<'a> {
             ClearanceWish::Gaps(gaps) => GivenWish::Gaps(gaps.as_slice().into()),
             ClearanceWish::Each(choices) => GivenWish::Each(choices.as_slice().into()),
             ClearanceWish::Curve(points) => GivenWish::Curve(*points),
+            ClearanceWish::AtLeast(clearance) => GivenWish::AtLeast(*clearance),
         })
     }
 }
@@ -171,6 +177,7 @@ impl From<WishJson<'_>> for ClearanceWish {
             WishJson::Given(GivenWish::Gaps(gaps)) => Self::Gaps(gaps.into()),
             WishJson::Given(GivenWish::Each(choices)) => Self::Each(choices.into()),
             WishJson::Given(GivenWish::Curve(points)) => Self::Curve(points),
+            WishJson::Given(GivenWish::AtLeast(clearance)) => Self::AtLeast(clearance),
         }
     }
 }
@@ -194,10 +201,12 @@ pub(super) enum GivenChoice<'a> {
     Gap(GapJson),
     /// A gap per junction, in travel order; needs `in_order`.
     Gaps(List<'a, Gap>),
+    /// `drive` only: the least free clearance, metres.
+    AtLeast(f64),
 }
 
 impl GivenChoice<'_> {
-    const FIELDS: &'static [&'static str] = &["gap", "gaps"];
+    const FIELDS: &'static [&'static str] = &["gap", "gaps", "at_least"];
 }
 
 impl Serialize for ChoiceJson<'_> {
@@ -224,7 +233,7 @@ impl<'de> Visitor<'de> for ChoiceVisitor {
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(
             "a gap (a number or a list of 1 to 3 numbers), \"safest\", or an object with one of \
-             `gap`, `gaps`",
+             `gap`, `gaps`, `at_least`",
         )
     }
 
@@ -262,6 +271,7 @@ impl<'a> From<&'a Choice> for ChoiceJson<'a> {
             Choice::Safest => Self::Safest,
             Choice::Gap(gap) => Self::Gap(gap.into()),
             Choice::Gaps(gaps) => Self::Given(GivenChoice::Gaps(gaps.as_slice().into())),
+            Choice::AtLeast(clearance) => Self::Given(GivenChoice::AtLeast(*clearance)),
         }
     }
 }
@@ -276,6 +286,7 @@ impl Element for Choice {
                 Self::Gap(gap.into())
             }
             ChoiceJson::Given(GivenChoice::Gaps(gaps)) => Self::Gaps(gaps.into()),
+            ChoiceJson::Given(GivenChoice::AtLeast(clearance)) => Self::AtLeast(clearance),
         })
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::trajectory::{Distance, shorter_turn};
 use super::values::{Element, Numbers, Point, Word};
-use crate::message::{Curve, CurveKind, Leg, Rule};
+use crate::message::{Curve, CurveKind, Leg, Rule, Rung};
 
 /// A piece of the path.
 #[derive(Serialize, Deserialize)]
@@ -53,6 +53,9 @@ pub(super) struct LegJson {
     /// The heading after the turn, radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     to_heading: Option<f64>,
+    /// Whether the robot drives the leg backwards; present only where it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reverse: Option<bool>,
     /// Arc length, metres.
     length: f64,
     /// Exact least distance between the body and the walls on this leg, metres.
@@ -63,11 +66,14 @@ pub(super) struct LegJson {
     /// The junction that the leg leads to or turns in, counted from 0 in travel order.
     #[serde(skip_serializing_if = "Option::is_none")]
     junction: Option<u64>,
+    /// How the leg was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rung: Option<Word<Rung>>,
 }
 
 /// The fields of each kind beside those that all legs have.
-const LINE: &[&str] = &["from", "to", "heading", "turned"];
-const ARC: &[&str] = &["center", "radius", "start_angle", "sweep"];
+const LINE: &[&str] = &["from", "to", "heading", "turned", "reverse"];
+const ARC: &[&str] = &["center", "radius", "start_angle", "sweep", "reverse"];
 const TURN: &[&str] = &["position", "from_heading", "to_heading"];
 
 const fn fields_of(kind: CurveKind) -> &'static [&'static str] {
@@ -78,12 +84,13 @@ const fn fields_of(kind: CurveKind) -> &'static [&'static str] {
     }
 }
 
-/// The only field of a curve that can be left out.
+/// The fields of a curve that can be left out.
 #[cfg(feature = "json-schema")]
-const OPTIONAL: &str = "turned";
+const OPTIONAL: &[&str] = &["turned", "reverse"];
 
 impl From<&Leg> for LegJson {
-    fn from(&Leg { curve, length, clearance, junction, rule }: &Leg) -> Self {
+    fn from(&Leg { curve, length, clearance, junction, rule, reverse, rung }: &Leg) -> Self {
+        let reverse = reverse.then_some(true);
         let leg = Self {
             kind: Word(curve.kind()),
             from: None,
@@ -97,10 +104,12 @@ impl From<&Leg> for LegJson {
             position: None,
             from_heading: None,
             to_heading: None,
+            reverse: None,
             length,
             clearance: Distance(clearance),
             rule: rule.map(RuleJson),
             junction,
+            rung: rung.map(Word),
         };
         match curve {
             Curve::Line { from, to, heading, turned } => Self {
@@ -108,6 +117,7 @@ impl From<&Leg> for LegJson {
                 to: Some(Numbers(to)),
                 heading: Some(heading),
                 turned: (turned != 0.0).then_some(turned),
+                reverse,
                 ..leg
             },
             Curve::Arc { center, radius, start_angle, sweep } => Self {
@@ -115,6 +125,7 @@ impl From<&Leg> for LegJson {
                 radius: Some(radius),
                 start_angle: Some(start_angle),
                 sweep: Some(sweep),
+                reverse,
                 ..leg
             },
             Curve::Turn { position, from_heading, to_heading, sweep: _ } => Self {
@@ -144,10 +155,12 @@ impl Element for Leg {
             position,
             from_heading,
             to_heading,
+            reverse,
             length,
             clearance,
             rule,
             junction,
+            rung,
         } = json;
         let given = [
             ("from", from.is_some()),
@@ -161,6 +174,7 @@ impl Element for Leg {
             ("position", position.is_some()),
             ("from_heading", from_heading.is_some()),
             ("to_heading", to_heading.is_some()),
+            ("reverse", reverse.is_some()),
         ];
         let fields = fields_of(kind);
         if let Some((name, _)) = given.iter().find(|(name, given)| *given && !fields.contains(name))
@@ -196,7 +210,9 @@ impl Element for Leg {
             }
         };
         let rule = rule.map(|RuleJson(rule)| rule);
-        Ok(Self { curve, length, clearance: clearance.0, junction, rule })
+        let rung = rung.map(|Word(rung)| rung);
+        let reverse = reverse.unwrap_or(false);
+        Ok(Self { curve, length, clearance: clearance.0, junction, rule, reverse, rung })
     }
 }
 
@@ -275,7 +291,7 @@ mod schema {
             let mut schema = schema.clone();
             if name == "kind" {
                 schema = json!({ "const": kind.name(), "description": description(kind) });
-            } else if of_this && name != OPTIONAL {
+            } else if of_this && !OPTIONAL.contains(&name.as_str()) {
                 required.push(Value::from(name.as_str()));
                 without_null(&mut schema);
             }

@@ -4,9 +4,12 @@ use serde::de::Error;
 use serde::{Deserialize, Serialize};
 
 use super::clearance::WishJson;
+use super::digest::DigestJson;
+use super::fault::Fault;
+use super::footprint::FootprintJson;
 use super::values::{BoxJson, Element, List, Numbers, Point, Word, Words};
 use crate::message::{
-    Body, Direction, Footprint, FreeSpace, Goal, Limits, Pose, Sampling, SceneRequest, Solid,
+    Body, Direction, FreeSpace, Goal, Limits, Pose, Report, Sampling, SceneRequest, Solid,
     StartTurn, Task, Vector,
 };
 
@@ -40,6 +43,29 @@ pub(super) struct SceneJson<'a> {
     /// `drive` only: how the robot takes up its first heading. Default: `"in_place"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     start_turn: Option<Word<StartTurn>>,
+    /// `drive` only: whether the robot may drive backwards. Default: false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reverse: Option<bool>,
+    /// `drive` only: whether the robot can turn in place; without, `min_turn_radius` is required.
+    /// Default: true.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turn_in_place: Option<bool>,
+    /// `drive` only: the least radius of the curve that the reference point follows, metres;
+    /// greater than 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    min_turn_radius: Option<f64>,
+    /// `drive` only: the length that a radian turned in place counts as where motions are
+    /// compared, metres; at least 0. Default: 0.25.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turn_cost: Option<f64>,
+    /// `drive` only: the length that a stop on the way counts as where motions are compared,
+    /// metres; at least 0. Default: 0.1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stop_cost: Option<f64>,
+    /// `drive` only: `"full"` for `bound` and `free_clearance` in trajectories through channels in
+    /// travel order, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    report: Option<Word<Report>>,
     /// The clearance gaps to plan with; one answer, or several.
     clearance: WishJson<'a>,
     /// How fast the body may move.
@@ -66,6 +92,12 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             start,
             goal,
             start_turn,
+            reverse,
+            turn_in_place,
+            min_turn_radius,
+            turn_cost,
+            stop_cost,
+            report,
             clearance,
             limits,
             sampling,
@@ -80,6 +112,12 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             start: start.map(PoseJson::from),
             goal: goal.map(GoalJson::from),
             start_turn: start_turn.map(Word),
+            reverse: *reverse,
+            turn_in_place: *turn_in_place,
+            min_turn_radius: *min_turn_radius,
+            turn_cost: *turn_cost,
+            stop_cost: *stop_cost,
+            report: report.map(Word),
             clearance: clearance.into(),
             limits: (*limits != Limits::default()).then(|| LimitsJson::from(*limits)),
             sampling: sampling.map(SamplingJson::from),
@@ -88,9 +126,9 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
     }
 }
 
-impl From<SceneJson<'_>> for SceneRequest {
-    fn from(json: SceneJson) -> Self {
-        let SceneJson {
+impl SceneJson<'_> {
+    pub(super) fn into_message(self) -> Result<SceneRequest, Fault> {
+        let Self {
             id,
             task,
             free_space,
@@ -99,30 +137,43 @@ impl From<SceneJson<'_>> for SceneRequest {
             start,
             goal,
             start_turn,
+            reverse,
+            turn_in_place,
+            min_turn_radius,
+            turn_cost,
+            stop_cost,
+            report,
             clearance,
             limits,
             sampling,
             deadline,
-        } = json;
-        Self {
+        } = self;
+        Ok(SceneRequest {
             id,
             task: task.0,
             free_space: free_space.into(),
-            body: body.into(),
+            body: body.into_message().map_err(|fault| fault.in_field("body"))?,
             exit: exit.map_or_else(Vec::new, Vec::from),
             start: start.map(Pose::from),
             goal: goal.map(Goal::from),
             start_turn: start_turn.map(|Word(turn)| turn),
+            reverse,
+            turn_in_place,
+            min_turn_radius,
+            turn_cost,
+            stop_cost,
+            report: report.map(|Word(report)| report),
             clearance: clearance.into(),
             limits: limits.map_or_else(Limits::default, Limits::from),
             sampling: sampling.map(Sampling::from),
             deadline,
-        }
+        })
     }
 }
 
 /// Where the body can move, given by channels, by solids, or by both: then the channels say where
-/// to travel, and clearance is measured to the solids.
+/// to travel, and clearance is measured to the solids. Or, for `drive`, by the name of a free space
+/// that the planner holds.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "free_space"))]
 #[serde(deny_unknown_fields)]
@@ -140,26 +191,32 @@ struct FreeSpaceJson<'a> {
     /// channels. Default for assembly tasks: the bounding box of the solids, open on the exit side.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<BoxJson>,
+    /// `drive` only, in place of all other fields: the SHA-256 of an uploaded free space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    named: Option<DigestJson>,
 }
 
 impl<'a> From<&'a FreeSpace> for FreeSpaceJson<'a> {
-    fn from(FreeSpace { channels, in_order, solids, bounds }: &'a FreeSpace) -> Self {
+    fn from(FreeSpace { channels, in_order, solids, bounds, named }: &'a FreeSpace) -> Self {
         Self {
             channels: channels.as_deref().map(List::from),
             in_order: in_order.then_some(true),
             solids: solids.as_deref().map(List::from),
             bounds: bounds.as_ref().map(BoxJson::from),
+            named: named.map(DigestJson),
         }
     }
 }
 
 impl From<FreeSpaceJson<'_>> for FreeSpace {
-    fn from(FreeSpaceJson { channels, in_order, solids, bounds }: FreeSpaceJson) -> Self {
+    fn from(json: FreeSpaceJson) -> Self {
+        let FreeSpaceJson { channels, in_order, solids, bounds, named } = json;
         Self {
             channels: channels.map(Vec::from),
             in_order: in_order.unwrap_or_default(),
             solids: solids.map(Vec::from),
             bounds: bounds.map(Into::into),
+            named: named.map(|DigestJson(digest)| digest),
         }
     }
 }
@@ -213,7 +270,7 @@ enum BodyJson<'a> {
     Polygon(List<'a, Vector>),
     /// A box.
     Box(BoxJson),
-    /// The rectangle that a mobile robot covers. Its reference point is the centre.
+    /// The rectangle that a mobile robot covers.
     Footprint(FootprintJson),
 }
 
@@ -227,13 +284,15 @@ impl<'a> From<&'a Body> for BodyJson<'a> {
     }
 }
 
-impl From<BodyJson<'_>> for Body {
-    fn from(json: BodyJson) -> Self {
-        match json {
-            BodyJson::Polygon(vertices) => Self::Polygon(vertices.into()),
-            BodyJson::Box(sides) => Self::Box(sides.into()),
-            BodyJson::Footprint(footprint) => Self::Footprint(footprint.into()),
-        }
+impl BodyJson<'_> {
+    fn into_message(self) -> Result<Body, Fault> {
+        Ok(match self {
+            Self::Polygon(vertices) => Body::Polygon(vertices.into()),
+            Self::Box(sides) => Body::Box(sides.into()),
+            Self::Footprint(footprint) => Body::Footprint(
+                footprint.into_message().map_err(|fault| fault.in_field("footprint"))?,
+            ),
+        })
     }
 }
 
@@ -266,25 +325,12 @@ impl From<Point> for Vector {
     }
 }
 
-/// The rectangle that a mobile robot covers.
-#[derive(Serialize, Deserialize)]
-#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "footprint"))]
-#[serde(deny_unknown_fields)]
-struct FootprintJson {
-    /// Across the heading, metres.
-    width: f64,
-    /// Along the heading, metres.
-    length: f64,
-}
-
-same_fields!(FootprintJson, Footprint { width, length });
-
 /// Where the robot stands.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "pose"))]
 #[serde(deny_unknown_fields)]
 struct PoseJson {
-    /// The centre of the footprint, metres.
+    /// The footprint's reference point, metres.
     position: Point,
     /// Radians counter-clockwise from +x.
     heading: f64,
@@ -297,7 +343,7 @@ same_fields!(PoseJson, Pose { position, heading });
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "goal"))]
 #[serde(deny_unknown_fields)]
 struct GoalJson {
-    /// The centre of the footprint, metres.
+    /// The footprint's reference point, metres.
     position: Point,
     /// Radians counter-clockwise from +x. Default: the heading with which the robot
     /// arrives.

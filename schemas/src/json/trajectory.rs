@@ -29,10 +29,23 @@ pub(super) struct TrajectoryJson<'a> {
     exit: Option<Word<Direction>>,
     /// Arc length, metres.
     length: f64,
+    /// Length of the shortest curve of the reference point that keeps the same free clearance,
+    /// metres: no drive that keeps it is shorter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound: Option<f64>,
+    /// Present, and false, where the budget was spent before the search ended: a shorter
+    /// trajectory may exist.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    complete: Option<bool>,
     /// Seconds.
     duration: f64,
     /// How close the body comes to the walls.
     clearance: ClearanceJson,
+    /// Distance that the body keeps from the walls, apart from those that it is closer to at the
+    /// start or the goal, metres.
+    #[serde(default, deserialize_with = "present", skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "json-schema", schemars(with = "Distance"))]
+    free_clearance: Option<Distance>,
     /// The pieces of the path, in travel order.
     legs: List<'a, Leg>,
     /// States of the motion; their times strictly increase.
@@ -46,8 +59,11 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
             gaps_per_junction,
             exit,
             length,
+            bound,
+            complete,
             duration,
             clearance,
+            free_clearance,
             gaps,
             route,
             channels,
@@ -60,8 +76,11 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
             channels: (!channels.is_empty()).then(|| channels.as_slice().into()),
             exit: exit.map(Word),
             length: *length,
+            bound: *bound,
+            complete: (!complete).then_some(false),
             duration: *duration,
             clearance: (*clearance).into(),
+            free_clearance: free_clearance.map(Distance),
             legs: legs.as_slice().into(),
             samples: SamplesJson {
                 samples: samples.into(),
@@ -73,7 +92,20 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
 
 impl TrajectoryJson<'_> {
     pub(super) fn into_message<E: Error>(self) -> Result<Trajectory, E> {
-        let Self { gap, route, channels, exit, length, duration, clearance, legs, samples } = self;
+        let Self {
+            gap,
+            route,
+            channels,
+            exit,
+            length,
+            bound,
+            complete,
+            duration,
+            clearance,
+            free_clearance,
+            legs,
+            samples,
+        } = self;
         let clearance = Clearance::from(clearance);
         let dimension = clearance.wall.dimension();
         let SamplesJson { samples, dimension: of_samples } = samples;
@@ -88,8 +120,11 @@ impl TrajectoryJson<'_> {
             gaps_per_junction: gap.each as u32,
             exit: exit.map(|Word(exit)| exit),
             length,
+            bound,
+            complete: complete.unwrap_or(true),
             duration,
             clearance,
+            free_clearance: free_clearance.map(|Distance(distance)| distance),
             gaps: gap.gaps.into_owned(),
             route: route.into_owned(),
             channels: channels.map_or_else(Vec::new, Vec::from),
@@ -126,6 +161,11 @@ impl From<ClearanceJson> for Clearance {
     fn from(ClearanceJson { value, at, wall }: ClearanceJson) -> Self {
         Self { value: value.0, at, wall: wall.0 }
     }
+}
+
+/// A field that is there, whatever its value: `null` is a distance.
+fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Distance>, D::Error> {
+    Distance::deserialize(deserializer).map(Some)
 }
 
 /// A distance to the walls, `null` where there are none: JSON has no infinity.
@@ -259,7 +299,7 @@ struct SamplesJson<'a> {
 
 /// A state of the motion. Position and heading are the rigid transform of the body as the
 /// request gave it: for assembly tasks the displacement from the assembled state, for `drive`
-/// the pose of the footprint's centre.
+/// the pose of the footprint's reference point.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "sample"))]
 #[serde(deny_unknown_fields)]

@@ -107,8 +107,11 @@ impl<T: Named> Visitor<'_> for WordVisitor<T> {
 }
 
 fn words<T: Named>(f: &mut fmt::Formatter) -> fmt::Result {
+    if T::VALUES.len() > 1 {
+        f.write_str("one of ")?;
+    }
     for (index, value) in T::VALUES.iter().enumerate() {
-        write!(f, "{}\"{}\"", if index > 0 { ", " } else { "one of " }, value.word())?;
+        write!(f, "{}\"{}\"", if index > 0 { ", " } else { "" }, value.word())?;
     }
     Ok(())
 }

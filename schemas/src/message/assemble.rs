@@ -265,6 +265,10 @@ fn disagreement(first: &Trajectory, more: &Trajectory) -> Option<(&'static str, 
     let number = |field, first: f64, more: f64| {
         (first.to_bits() != more.to_bits()).then(|| (field, first.to_string(), more.to_string()))
     };
+    let optional = |field, first: Option<f64>, more: Option<f64>| {
+        let differ = first.map(f64::to_bits) != more.map(f64::to_bits);
+        differ.then(|| (field, or_none(first), or_none(more)))
+    };
     let wall = |vector: &Trajectory| vector.clearance.wall.padded().map(f64::to_bits);
     integer("dimension", first.dimension, more.dimension)
         .or_else(|| integer("gaps_per_junction", first.gaps_per_junction, more.gaps_per_junction))
@@ -273,7 +277,13 @@ fn disagreement(first: &Trajectory, more: &Trajectory) -> Option<(&'static str, 
             differ.then(|| ("exit", or_none(first.exit), or_none(more.exit)))
         })
         .or_else(|| number("length", first.length, more.length))
+        .or_else(|| optional("bound", first.bound, more.bound))
+        .or_else(|| {
+            let differ = first.complete != more.complete;
+            differ.then(|| ("complete", first.complete.to_string(), more.complete.to_string()))
+        })
         .or_else(|| number("duration", first.duration, more.duration))
+        .or_else(|| optional("free_clearance", first.free_clearance, more.free_clearance))
         .or_else(|| number("clearance.value", first.clearance.value, more.clearance.value))
         .or_else(|| number("clearance.at", first.clearance.at, more.clearance.at))
         .or_else(|| {

@@ -44,7 +44,7 @@ pub struct ReplyPart {
 }
 
 /// A planned and sampled motion.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
     /// How many coordinates positions have: 2 or 3.
     pub dimension: u32,
@@ -54,10 +54,18 @@ pub struct Trajectory {
     pub exit: Option<Direction>,
     /// Arc length, metres.
     pub length: f64,
+    /// Length of the shortest curve of the reference point that keeps the same free clearance,
+    /// metres: no drive is shorter.
+    pub bound: Option<f64>,
+    /// Whether the search ended by itself and not because the budget was spent.
+    pub complete: bool,
     /// Seconds.
     pub duration: f64,
     /// How close the body comes to the walls.
     pub clearance: Clearance,
+    /// Distance that the body keeps from all walls but those that it is closer to at the start or
+    /// the goal, metres; infinite where there are no walls.
+    pub free_clearance: Option<f64>,
     /// The gaps used, junction by junction in travel order; metres.
     pub gaps: Vec<f64>,
     /// Indices of the channels travelled, in travel order.
@@ -68,6 +76,28 @@ pub struct Trajectory {
     pub legs: Vec<Leg>,
     /// States of the motion, times strictly increasing.
     pub samples: Vec<Sample>,
+}
+
+/// A trajectory with nothing in it, complete.
+impl Default for Trajectory {
+    fn default() -> Self {
+        Self {
+            dimension: 0,
+            gaps_per_junction: 0,
+            exit: None,
+            length: 0.0,
+            bound: None,
+            complete: true,
+            duration: 0.0,
+            clearance: Clearance::default(),
+            free_clearance: None,
+            gaps: Vec::new(),
+            route: Vec::new(),
+            channels: Vec::new(),
+            legs: Vec::new(),
+            samples: Vec::new(),
+        }
+    }
 }
 
 /// How close the body comes to the walls, and where.
@@ -94,6 +124,18 @@ pub struct Leg {
     pub junction: Option<u64>,
     /// The paper's rule that chose it.
     pub rule: Option<Rule>,
+    /// Whether the robot drives it backwards: a line or an arc.
+    pub reverse: bool,
+    /// How it was found.
+    pub rung: Option<Rung>,
+}
+
+impl Leg {
+    /// A leg driven forwards, without junction, rule and rung.
+    pub fn new(curve: Curve, length: f64, clearance: f64) -> Self {
+        let (junction, rule, rung) = (None, None, None);
+        Self { curve, length, clearance, junction, rule, reverse: false, rung }
+    }
 }
 
 /// The curve of a leg. Metres; radians counter-clockwise from +x.
@@ -110,7 +152,7 @@ pub enum Curve {
         /// Signed angle turned on the way; 0 unless the robot turns while moving.
         turned: f64,
     },
-    /// A part of a guiding circle, the heading tangent to it.
+    /// A part of a circle, the heading tangent to it, or opposite to that in reverse.
     Arc {
         /// Centre.
         center: Vector,
@@ -140,7 +182,7 @@ named! {
 pub enum CurveKind {
     /// A straight line.
     Line = "line",
-    /// A part of a guiding circle, the heading tangent to it.
+    /// A part of a circle, the heading tangent to it, or opposite to that in reverse.
     Arc = "arc",
     /// A turn in place.
     Turn = "turn",
@@ -156,6 +198,23 @@ impl Curve {
             Self::Turn { .. } => CurveKind::Turn,
         }
     }
+}
+
+named! {
+/// How a leg was found: the rungs of a ladder, climbed until the robot fits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Rung {
+    /// On the shortest path around the corners, at the gap asked for.
+    Taut = "taut",
+    /// With another radius at the corners where the robot would not fit.
+    Radius = "radius",
+    /// By lining up: straight legs between turns in place.
+    Aligned = "aligned",
+    /// With legs in reverse.
+    Reverse = "reverse",
+    /// By a search over positions and headings.
+    Lattice = "lattice",
+}
 }
 
 /// A rule of the paper.
@@ -309,5 +368,7 @@ pub enum ErrorCode {
     Internal = "internal",
     /// Answering would take more time or memory than the planner allows.
     TooCostly = "too_costly",
+    /// The planner holds no free space of this name; send the free space itself.
+    UnknownFreeSpace = "unknown_free_space",
 }
 }

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Vector, named};
+use super::{Digest, Vector, named};
 
 /// A scene to plan in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +26,18 @@ pub struct SceneRequest {
     pub goal: Option<Goal>,
     /// Driving: how the robot takes up its first heading; by default in place.
     pub start_turn: Option<StartTurn>,
+    /// Driving: whether the robot may drive backwards; by default not.
+    pub reverse: Option<bool>,
+    /// Driving: whether the robot can turn in place; by default it can.
+    pub turn_in_place: Option<bool>,
+    /// Driving: the least radius of the reference point's path, metres; by default any.
+    pub min_turn_radius: Option<f64>,
+    /// Driving: the length that a radian turned in place is worth, metres; default 0.25.
+    pub turn_cost: Option<f64>,
+    /// Driving: the length that a stop is worth, metres; default 0.1.
+    pub stop_cost: Option<f64>,
+    /// Driving: what the reply says of each trajectory.
+    pub report: Option<Report>,
     /// The clearance gaps to plan with.
     pub clearance: ClearanceWish,
     /// How fast the body may move.
@@ -48,6 +60,12 @@ impl SceneRequest {
             start: None,
             goal: None,
             start_turn: None,
+            reverse: None,
+            turn_in_place: None,
+            min_turn_radius: None,
+            turn_cost: None,
+            stop_cost: None,
+            report: None,
             clearance: ClearanceWish::Safest,
             limits: Limits::default(),
             sampling: None,
@@ -69,7 +87,7 @@ pub enum Task {
 }
 }
 
-/// Where the body can move: by channels, by solids, or by both.
+/// Where the body can move: by channels, by solids, by both, or by name.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct FreeSpace {
     /// The channels.
@@ -80,6 +98,8 @@ pub struct FreeSpace {
     pub solids: Option<Vec<Solid>>,
     /// Where the free space between the solids ends.
     pub bounds: Option<AxisBox>,
+    /// The name of an uploaded free space, in place of all other fields.
+    pub named: Option<Digest>,
 }
 
 /// A box with sides parallel to the axes; metres.
@@ -107,17 +127,64 @@ pub enum Body {
     Polygon(Vec<Vector>),
     /// A box where it is in the assembled state.
     Box(AxisBox),
-    /// The mobile robot; its reference point is the centre.
+    /// The mobile robot.
     Footprint(Footprint),
 }
 
-/// The rectangle that a mobile robot covers; metres.
+/// The rectangle that a mobile robot covers; metres. The reference point, whose poses the
+/// request and the reply give, is in the middle of its width.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Footprint {
-    /// Across the heading.
-    pub width: f64,
-    /// Along the heading.
-    pub length: f64,
+pub enum Footprint {
+    /// The reference point is the centre.
+    Centered {
+        /// Across the heading.
+        width: f64,
+        /// Along the heading.
+        length: f64,
+    },
+    /// The reference point is anywhere between the ends.
+    Offset {
+        /// Across the heading.
+        width: f64,
+        /// From the reference point to the front end.
+        front: f64,
+        /// From the reference point to the rear end.
+        rear: f64,
+    },
+}
+
+impl Footprint {
+    /// Across the heading, metres.
+    pub fn width(&self) -> f64 {
+        match *self {
+            Self::Centered { width, .. } | Self::Offset { width, .. } => width,
+        }
+    }
+
+    /// From the reference point to the front end, metres.
+    pub fn front(&self) -> f64 {
+        match *self {
+            Self::Centered { length, .. } => length / 2.0,
+            Self::Offset { front, .. } => front,
+        }
+    }
+
+    /// From the reference point to the rear end, metres.
+    pub fn rear(&self) -> f64 {
+        match *self {
+            Self::Centered { length, .. } => length / 2.0,
+            Self::Offset { rear, .. } => rear,
+        }
+    }
+}
+
+named! {
+/// What the reply says of each trajectory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Report {
+    /// Everything, for channels in travel order too.
+    Full = "full",
+}
 }
 
 named! {
@@ -142,7 +209,7 @@ pub enum Direction {
 /// Where the robot stands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
-    /// The footprint's centre, metres.
+    /// The footprint's reference point, metres.
     pub position: Vector,
     /// Radians counter-clockwise from +x.
     pub heading: f64,
@@ -151,7 +218,7 @@ pub struct Pose {
 /// Where the robot goes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Goal {
-    /// The footprint's centre, metres.
+    /// The footprint's reference point, metres.
     pub position: Vector,
     /// Radians counter-clockwise from +x; by default the heading with which it arrives.
     pub heading: Option<f64>,
@@ -186,6 +253,8 @@ pub enum Choice {
     Gaps(Vec<Gap>),
     /// The gap that leaves the greatest clearance.
     Safest,
+    /// Driving: the shortest motion with at least this free clearance, metres.
+    AtLeast(f64),
 }
 
 /// The clearance gaps to plan with: for one answer, or for several.
@@ -201,6 +270,8 @@ pub enum ClearanceWish {
     Each(Vec<Choice>),
     /// This many answers, without samples, from the shortest path to the safest.
     Curve(u64),
+    /// Driving: the shortest motion with at least this free clearance, metres.
+    AtLeast(f64),
 }
 
 /// How fast the body may move; a limit that is not given has its default.

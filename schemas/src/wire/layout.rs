@@ -78,6 +78,7 @@ enum Words<'a> {
 /// The type of a number.
 #[derive(Clone, Copy)]
 enum Kind {
+    U8,
     U16,
     U32,
     U64,
@@ -87,6 +88,7 @@ enum Kind {
 impl Kind {
     const fn name(self) -> &'static str {
         match self {
+            Self::U8 => "u8",
             Self::U16 => "u16",
             Self::U32 => "u32",
             Self::U64 => "u64",
@@ -96,6 +98,7 @@ impl Kind {
 
     const fn size(self) -> usize {
         match self {
+            Self::U8 => 1,
             Self::U16 => 2,
             Self::U32 => 4,
             Self::U64 | Self::F64 => 8,
@@ -118,7 +121,7 @@ macro_rules! numbers {
     };
 }
 
-numbers!(u16 U16, u32 U32, u64 U64, f64 F64);
+numbers!(u8 U8, u16 U16, u32 U32, u64 U64, f64 F64);
 
 impl<T: Numbers, const N: usize> Numbers for [T; N] {
     const KIND: Kind = T::KIND;

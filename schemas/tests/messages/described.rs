@@ -4,12 +4,14 @@
 use proptest::prelude::*;
 use schemas::codec;
 use schemas::message::{
-    AxisBox, Body, Choice, Clearance, ClearanceWish, Curve, ErrorCode, Footprint, FreeSpace, Gap,
-    Goal, Leg, Limits, Pose, Refusal, ReplyPart, Request, RequestContent, RequestKey, Rule, Sample,
-    Sampling, SceneRequest, Solid, StartTurn, Trajectory, Vector,
+    AxisBox, Body, Choice, Clearance, ClearanceWish, Curve, Digest, ErrorCode, Footprint,
+    FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal, ReplyPart, Report, Request, RequestContent,
+    RequestKey, Rule, Sample, Sampling, SceneRequest, Solid, StartTurn, Trajectory, Vector,
 };
 
-use super::strategies::{DIRECTIONS, ERRORS, TASKS, finite, key, numbers, part, refusal, scene};
+use super::strategies::{
+    DIRECTIONS, ERRORS, RUNGS, TASKS, finite, key, numbers, part, refusal, scene,
+};
 
 /// Bytes from the front.
 struct Bytes<'a>(&'a [u8]);
@@ -101,14 +103,15 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
         })
     });
     let bounds = from.option(read_box);
+    let named = from.option(|from| Digest(from.take()));
     SceneRequest {
         id,
         task,
-        free_space: FreeSpace { channels, in_order, solids, bounds },
+        free_space: FreeSpace { channels, in_order, solids, bounds, named },
         body: match from.u32() {
             0 => Body::Polygon(from.list(Bytes::vector)),
             1 => Body::Box(read_box(from)),
-            2 => Body::Footprint(Footprint { width: from.f64(), length: from.f64() }),
+            2 => Body::Footprint(read_footprint(from)),
             other => panic!("{other}"),
         },
         exit: from.list(|from| from.one_of(&DIRECTIONS)),
@@ -116,6 +119,12 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
         goal: from
             .option(|from| Goal { position: from.vector(), heading: from.option(Bytes::f64) }),
         start_turn: from.option(|from| from.one_of(&[StartTurn::InPlace, StartTurn::WhileMoving])),
+        reverse: from.option(Bytes::bool),
+        turn_in_place: from.option(Bytes::bool),
+        min_turn_radius: from.option(Bytes::f64),
+        turn_cost: from.option(Bytes::f64),
+        stop_cost: from.option(Bytes::f64),
+        report: from.option(|from| from.one_of(&[Report::Full])),
         clearance: match from.u32() {
             0 => ClearanceWish::Gap(read_gap(from)),
             1 => ClearanceWish::Gaps(from.list(read_gap)),
@@ -124,9 +133,11 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
                 0 => Choice::Gap(read_gap(from)),
                 1 => Choice::Gaps(from.list(read_gap)),
                 2 => Choice::Safest,
+                3 => Choice::AtLeast(from.f64()),
                 other => panic!("{other}"),
             })),
             4 => ClearanceWish::Curve(from.u64()),
+            5 => ClearanceWish::AtLeast(from.f64()),
             other => panic!("{other}"),
         },
         limits: Limits {
@@ -148,6 +159,14 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
 
 fn read_box(from: &mut Bytes) -> AxisBox {
     AxisBox { min: from.vector(), max: from.vector() }
+}
+
+fn read_footprint(from: &mut Bytes) -> Footprint {
+    match from.u32() {
+        0 => Footprint::Centered { width: from.f64(), length: from.f64() },
+        1 => Footprint::Offset { width: from.f64(), front: from.f64(), rear: from.f64() },
+        other => panic!("{other}"),
+    }
 }
 
 fn read_gap(from: &mut Bytes) -> Gap {
@@ -181,8 +200,11 @@ fn read_trajectory(from: &mut Bytes) -> Trajectory {
         gaps_per_junction: from.u32(),
         exit: from.option(|from| from.one_of(&DIRECTIONS)),
         length: from.f64(),
+        bound: from.option(Bytes::f64),
+        complete: from.bool(),
         duration: from.f64(),
         clearance: Clearance { value: from.f64(), at: from.f64(), wall: from.vector() },
+        free_clearance: from.option(Bytes::f64),
         gaps: from.list(Bytes::f64),
         route: from.list(Bytes::u64),
         channels: from.list(read_box),
@@ -224,6 +246,8 @@ fn read_leg(from: &mut Bytes) -> Leg {
         clearance: from.f64(),
         junction: from.option(Bytes::u64),
         rule: from.option(|from| Rule { table: from.u16(), number: from.u16() }),
+        reverse: from.bool(),
+        rung: from.option(|from| from.one_of(&RUNGS)),
     }
 }
 
@@ -331,9 +355,10 @@ mod other {
         Overloaded,
         Internal,
         TooCostly,
+        UnknownFreeSpace,
     }
 
-    pub(super) const CODES: [Code; 15] = [
+    pub(super) const CODES: [Code; 16] = [
         Code::InvalidScene,
         Code::UnsupportedVersion,
         Code::BodyOutsideFreeSpace,
@@ -349,6 +374,7 @@ mod other {
         Code::Overloaded,
         Code::Internal,
         Code::TooCostly,
+        Code::UnknownFreeSpace,
     ];
 }
 

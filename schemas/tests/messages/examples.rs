@@ -1,12 +1,12 @@
 //! One message of each kind, the same for ever.
 
-use schemas::convert::{CellWriter, PartSink, TrajectoryWriter, write_refusal};
+use schemas::convert::{CellWriter, Certificate, PartSink, TrajectoryWriter, write_refusal};
 use schemas::json;
 use schemas::message::{
     Answer, AxisBox, Clearance, Curve, Direction, ErrorCode, Leg, Refusal, ReplyPart, RequestKey,
-    Rule, Sample, SceneRequest, Trajectory,
+    Rule, Rung, Sample, SceneRequest, Trajectory,
 };
-use schemas::wire::{self, ReplyHeader};
+use schemas::wire::{self, ReplyHeader, reported};
 
 pub(crate) const KEY: RequestKey = RequestKey { client: 0x0123_4567_89ab_cdef, sequence: 3 };
 pub(crate) const SENT_NS: u64 = 1_700_000_000_123_456_789;
@@ -23,7 +23,7 @@ pub(crate) const SECTION_4: &str = r#"{
 }"#;
 
 /// By name: every form of every field is in one of them.
-pub(crate) const SCENES: [(&str, &str); 6] = [
+pub(crate) const SCENES: [(&str, &str); 8] = [
     ("section-4", SECTION_4),
     (
         "assemble-from-solids",
@@ -67,15 +67,36 @@ pub(crate) const SCENES: [(&str, &str); 6] = [
         "body": { "polygon": [[0, 0], [1, 0], [0, 1]] }, "exit": ["+x", "+y", "-z"],
         "clearance": { "curve": 9 } }"#,
     ),
+    (
+        "drive-anywhere",
+        r#"{ "id": 2, "task": "drive", "free_space": { "solids": [
+            {"polygon": [[2, 2], [5, 3], [4, 6]]} ], "bounds": {"min": [0, 0], "max": [9, 8]} },
+        "body": { "footprint": {"width": 0.6, "front": 0.9, "rear": 0.25} },
+        "start": {"position": [1, 2], "heading": 0}, "goal": {"position": [8, 7], "heading": 1.5},
+        "reverse": true, "turn_in_place": false, "min_turn_radius": 0.75, "turn_cost": 0.5,
+        "stop_cost": 0.125, "report": "full",
+        "clearance": { "each": [0.1, {"at_least": 0.05}, "safest"] } }"#,
+    ),
+    (
+        "drive-named",
+        r#"{ "task": "drive", "free_space": { "named":
+            "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f" },
+        "body": { "footprint": {"width": 1, "length": 2} },
+        "start": {"position": [1, 2], "heading": 0}, "goal": {"position": [3, 4]},
+        "reverse": false, "turn_in_place": true, "clearance": { "at_least": 0.25 } }"#,
+    ),
 ];
+
+/// How many of [`SCENES`] version 1 can say.
+pub(crate) const OLD_SCENES: usize = 6;
 
 pub(crate) fn scene(text: &str) -> SceneRequest {
     json::read_scene(text).unwrap()
 }
 
 /// By name: a trajectory of assembly in two and in three dimensions, of driving, and
-/// refusals with and without everything. Version 1 has all but the last.
-pub(crate) fn parts() -> [(&'static str, ReplyPart); 6] {
+/// refusals with and without everything; what version 1 does not have is last.
+pub(crate) fn parts() -> [(&'static str, ReplyPart); 7] {
     [
         ("assembly-2d", of_answer(Ok(assembly()))),
         ("assembly-3d", of_answer(Ok(assembly_3d()))),
@@ -83,8 +104,12 @@ pub(crate) fn parts() -> [(&'static str, ReplyPart); 6] {
         ("refusal", of_answer(Err(refusal()))),
         ("refusal-of-a-field", ReplyPart { id: None, answers: 0, ..of_answer(Err(invalid())) }),
         ("refusal-too-costly", of_answer(Err(too_costly()))),
+        ("driving-anywhere", of_answer(Ok(anywhere()))),
     ]
 }
+
+/// How many of [`parts`] version 1 can say.
+pub(crate) const OLD_PARTS: usize = 5;
 
 pub(crate) fn of_answer(content: Answer) -> ReplyPart {
     let (id, sent_ns) = (Some(7), SENT_NS);
@@ -98,6 +123,8 @@ fn line(from: [f64; 2], to: [f64; 2], length: f64, junction: Option<u64>) -> Leg
         clearance: 0.01,
         junction,
         rule: junction.map(|_| Rule { table: 1, number: 1 }),
+        reverse: false,
+        rung: None,
     }
 }
 
@@ -113,8 +140,11 @@ pub(crate) fn assembly() -> Trajectory {
         gaps_per_junction: 2,
         exit: None,
         length: 3.5,
+        bound: None,
+        complete: true,
         duration: 6.25,
         clearance: Clearance { value: 0.01, at: 0.0, wall: [6.99, 1.0].into() },
+        free_clearance: None,
         gaps: vec![0.2, 0.2, 0.1, 0.3],
         route: vec![0, 1, 2],
         channels: Vec::new(),
@@ -138,12 +168,23 @@ pub(crate) fn assembly_3d() -> Trajectory {
         gaps_per_junction: 3,
         exit: Some(Direction::PlusX),
         length: 3.0,
+        bound: None,
+        complete: true,
         duration: 4.0,
         clearance: Clearance { value: 0.5, at: 1.0, wall: [1.0, 2.0, 3.0].into() },
+        free_clearance: None,
         gaps: vec![0.1, 0.2, 0.3],
         route: vec![1, 0],
         channels: vec![AxisBox { min: [0.0, 1.0, 2.0].into(), max: [3.0, 4.0, 5.0].into() }],
-        legs: vec![Leg { curve, length: 3.0, clearance: 0.5, junction: Some(0), rule: None }],
+        legs: vec![Leg {
+            curve,
+            length: 3.0,
+            clearance: 0.5,
+            junction: Some(0),
+            rule: None,
+            reverse: false,
+            rung: None,
+        }],
         samples: vec![Sample {
             t: 4.0,
             position: [1.0, 2.0, 2.0],
@@ -160,6 +201,8 @@ pub(crate) fn driving() -> Trajectory {
         clearance,
         junction,
         rule: Some(Rule { table: 2, number: 4 }),
+        reverse: false,
+        rung: None,
     };
     let turn =
         Curve::Turn { position: [1.5, 2.0].into(), from_heading: 0.0, to_heading: 1.5, sweep: 1.5 };
@@ -175,8 +218,11 @@ pub(crate) fn driving() -> Trajectory {
         gaps_per_junction: 1,
         exit: None,
         length: 17.25,
+        bound: None,
+        complete: true,
         duration: 20.0,
         clearance: Clearance { value: 0.2, at: 16.0, wall: [3.0, 17.0].into() },
+        free_clearance: None,
         gaps: vec![0.2, 0.3],
         route: vec![0, 1],
         channels: vec![AxisBox { min: [0.0, 1.0].into(), max: [3.0, 4.0].into() }],
@@ -192,6 +238,24 @@ pub(crate) fn driving() -> Trajectory {
             velocity: [0.0, 0.0, 0.0],
             yaw_rate: 0.5,
         }],
+    }
+}
+
+/// [`driving`], with all that a trajectory in any free space has.
+pub(crate) fn anywhere() -> Trajectory {
+    let mut trajectory = driving();
+    let rungs = [Some(Rung::Aligned), Some(Rung::Taut), Some(Rung::Reverse)];
+    for (leg, rung) in trajectory.legs.iter_mut().zip(rungs) {
+        (leg.rung, leg.rule, leg.junction) = (rung, None, None);
+    }
+    trajectory.legs[2].reverse = true;
+    Trajectory {
+        bound: Some(17.125),
+        complete: false,
+        free_clearance: Some(0.25),
+        route: Vec::new(),
+        channels: Vec::new(),
+        ..trajectory
     }
 }
 
@@ -255,7 +319,7 @@ pub(crate) fn write(part: &ReplyPart, sink: &mut Parts) {
         sequence: part.key.sequence,
         sent_ns: part.sent_ns,
         id: part.id.unwrap_or(0),
-        has_id: part.id.is_some().into(),
+        given: if part.id.is_some() { reported::ID } else { 0 },
         part: part.part,
         answer: part.answer,
         answers: part.answers,
@@ -271,6 +335,11 @@ pub(crate) fn write(part: &ReplyPart, sink: &mut Parts) {
             header.clearance = trajectory.clearance.value;
             header.clearance_at = trajectory.clearance.at;
             header.wall = trajectory.clearance.wall.padded();
+            header.set_certificate(Certificate {
+                bound: trajectory.bound,
+                free_clearance: trajectory.free_clearance,
+                complete: trajectory.complete,
+            });
             let writer = TrajectoryWriter {
                 gaps: trajectory.gaps.iter().copied(),
                 route: trajectory.route.iter().copied(),
@@ -291,6 +360,8 @@ fn leg(leg: &Leg) -> wire::Leg {
         junction: leg.junction.unwrap_or(u64::MAX),
         length: leg.length,
         clearance: leg.clearance,
+        reverse: leg.reverse.into(),
+        rung: wire::Leg::rung_code(leg.rung),
         ..wire::Leg::default()
     };
     match leg.curve {

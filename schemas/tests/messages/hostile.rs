@@ -142,10 +142,10 @@ proptest! {
         let header = convert::header_of(&header);
         check_scene(&header, &cells);
         let known = RequestHeader {
-            version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 16),
+            version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 24),
             task: header.task % 3, body_kind: header.body_kind % 3, start_turn: 0,
             sampling_kind: 0, wish_kind: header.wish_kind % 3, exits: header.exits % 2,
-            reserved: 0, ..header
+            reserved: 0, switches: header.switches % 4, report: 0, ..header
         };
         check_scene(&known, &cells);
     }
@@ -295,7 +295,8 @@ fn check_scene_refused(text: &str, change: impl FnOnce(&mut RequestHeader), expe
 
 #[test]
 fn contradictions_are_refused() {
-    let [(_, section_4), (_, solids), (_, spatial), (_, drive), _, (_, curve)] = examples::SCENES;
+    let [(_, section_4), (_, solids), (_, spatial), (_, drive), _, (_, curve), (_, anywhere), _] =
+        examples::SCENES;
     let known = "; the greatest known value is";
     check_scene_refused(
         section_4,
@@ -309,9 +310,11 @@ fn contradictions_are_refused() {
     );
     check_scene_refused(
         section_4,
-        |header| header.given = 1 << 16,
-        &format!("given is 65536{known} 65535"),
+        |header| header.given = 1 << 24,
+        &format!("given is 16777216{known} 16777215"),
     );
+    check_scene_refused(anywhere, |header| header.report = 1, &format!("report is 1{known} 0"));
+    check_scene_refused(anywhere, |header| header.switches = 4, &format!("switches is 4{known} 3"));
     check_scene_refused(section_4, |header| header.task = 3, &format!("task is 3{known} 2"));
     check_scene_refused(
         section_4,

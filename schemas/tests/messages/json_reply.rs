@@ -4,7 +4,7 @@ use schemas::json;
 use schemas::message::{Answer, ErrorCode, Refusal, Reply};
 use serde_json::Value;
 
-use super::examples::{KEY, assembly, assembly_3d, driving, invalid, refusal};
+use super::examples::{KEY, anywhere, assembly, assembly_3d, driving, invalid, refusal};
 
 fn reply(id: Option<u64>, answers: Result<Vec<Answer>, Refusal>) -> Reply {
     Reply { key: KEY, id, answers }
@@ -69,6 +69,26 @@ fn driving_with_every_kind_of_leg() {
             r#""length":15.0,"clearance":0.75,"rule":"table 2, rule 4","junction":0},"#,
             r#"{"kind":"arc","center":[3.0,17.0],"radius":1.5,"start_angle":3.0,"sweep":-1.5,"#,
             r#""length":2.25,"clearance":0.2,"rule":"table 2, rule 4","junction":0}],"#,
+            r#""samples":[{"t":0.5,"position":[1.5,2.0],"heading":0.25,"velocity":[0.0,0.0],"#,
+            r#""yaw_rate":0.5}]}]}"#,
+        ],
+    );
+}
+
+#[test]
+fn driving_anywhere() {
+    check(
+        &reply(None, Ok(vec![Ok(anywhere())])),
+        &[
+            r#"{"trajectories":[{"gap":[0.2,0.3],"route":[],"#,
+            r#""length":17.25,"bound":17.125,"complete":false,"duration":20.0,"#,
+            r#""clearance":{"value":0.2,"at":16.0,"wall":[3.0,17.0]},"free_clearance":0.25,"legs":["#,
+            r#"{"kind":"turn","position":[1.5,2.0],"from_heading":0.0,"to_heading":1.5,"#,
+            r#""length":0.0,"clearance":1.0,"rung":"aligned"},"#,
+            r#"{"kind":"line","from":[1.5,2.0],"to":[1.5,17.0],"heading":1.5,"turned":-0.25,"#,
+            r#""length":15.0,"clearance":0.75,"rung":"taut"},"#,
+            r#"{"kind":"arc","center":[3.0,17.0],"radius":1.5,"start_angle":3.0,"sweep":-1.5,"#,
+            r#""reverse":true,"length":2.25,"clearance":0.2,"rung":"reverse"}],"#,
             r#""samples":[{"t":0.5,"position":[1.5,2.0],"heading":0.25,"velocity":[0.0,0.0],"#,
             r#""yaw_rate":0.5}]}]}"#,
         ],

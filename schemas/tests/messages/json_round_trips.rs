@@ -108,6 +108,26 @@ fn a_distance_to_no_wall_is_infinite() {
 }
 
 #[test]
+fn a_free_clearance_without_walls_is_null() {
+    let open = Trajectory { free_clearance: Some(f64::INFINITY), ..driving() };
+    let written = reply(Ok(vec![Ok(open)]));
+    let text = json::reply_to_json(&written);
+    assert!(text.contains(r#""free_clearance":null"#), "{text}");
+    assert_eq!(without_sweep(&json::read_reply(&text).unwrap()), without_sweep(&written));
+}
+
+#[test]
+fn only_a_search_that_ended_early_says_so() {
+    let text = json::reply_to_json(&reply(Ok(vec![Ok(driving())])));
+    assert!(!text.contains("complete"), "{text}");
+    let said = text.replacen(r#""duration""#, r#""complete":true,"duration""#, 1);
+    assert_eq!(json::read_reply(&said), json::read_reply(&text));
+    let turn = text.replacen(r#""kind":"turn""#, r#""kind":"turn","reverse":true"#, 1);
+    let error = json::read_reply(&turn).unwrap_err();
+    assert_eq!(error.field, "trajectories[0].legs[0].reverse");
+}
+
+#[test]
 fn keys_are_not_in_json() {
     let written = Reply { key: KEY, ..reply(Err(invalid())) };
     let read = json::read_reply(&json::reply_to_json(&written)).unwrap();
@@ -181,7 +201,7 @@ fn faults_of_replies_are_named() {
         r#""kind":"arc""#,
         r#""kind":"line""#,
         "trajectories[0].legs[2].center",
-        "is not a known field; expected one of `from`, `to`, `heading`, `turned`",
+        "is not a known field; expected one of `from`, `to`, `heading`, `turned`, `reverse`",
     );
     check_replaced(
         r#""kind":"arc""#,
@@ -232,6 +252,6 @@ fn faults_of_replies_are_named() {
         r#""length":1,"error":{"#,
         "trajectories[1].error",
         "is not a known field; expected one of `gap`, `route`, `channels`, `exit`, `length`, \
-         `duration`, `clearance`, `legs`, `samples`",
+         `bound`, `complete`, `duration`, `clearance`, `free_clearance`, `legs`, `samples`",
     );
 }

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use schemas::json;
 use schemas::message::{
-    Body, Choice, ClearanceWish, Direction, ErrorCode, Footprint, Gap, Goal, Limits, Pose,
-    Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
+    Body, Choice, ClearanceWish, Digest, Direction, ErrorCode, Footprint, Gap, Goal, Limits, Pose,
+    Report, Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
 };
 
 use super::examples::{SCENES, SECTION_4, scene};
@@ -141,6 +141,9 @@ fn clearances_in_all_forms() {
     let text = r#"{"each": [[0.1, 0.2], {"gap": 0.5}, {"gaps": [0.1, [0.1, 0.2]]}]}"#;
     check(text, ClearanceWish::Each(each));
     check(r#"{"curve": 9}"#, ClearanceWish::Curve(9));
+    check(r#"{"at_least": 0.25}"#, ClearanceWish::AtLeast(0.25));
+    let each = vec![Choice::AtLeast(0.0), Choice::Gap(uniform(0.5)), Choice::AtLeast(1.0)];
+    check(r#"{"each": [{"at_least": 0}, 0.5, {"at_least": 1}]}"#, ClearanceWish::Each(each));
 }
 
 #[test]
@@ -166,7 +169,7 @@ fn other_fields_in_all_forms() {
     let goal = Goal { heading: None, ..goal };
     check("goal", r#"{"position": [1, 2]}"#, |scene| scene.goal, Some(goal));
     check("goal", r#"{"position": [1, 2], "heading": null}"#, |scene| scene.goal, Some(goal));
-    let footprint = Body::Footprint(Footprint { width: 1.0, length: 1.5 });
+    let footprint = Body::Footprint(Footprint::Centered { width: 1.0, length: 1.5 });
     let text = r#"{"footprint": {"width": 1.0, "length": 1.5}}"#;
     check("body", text, |scene| scene.body, footprint);
     let text = r#"{"box": {"max": [1, 2, 3], "min": [0, 0, 0]}}"#;
@@ -194,6 +197,62 @@ fn other_fields_in_all_forms() {
     );
 }
 
+#[test]
+fn robots_in_all_forms() {
+    check("reverse", "true", |scene| scene.reverse, Some(true));
+    check("reverse", "false", |scene| scene.reverse, Some(false));
+    check("reverse", "null", |scene| scene.reverse, None);
+    check("turn_in_place", "false", |scene| scene.turn_in_place, Some(false));
+    check("min_turn_radius", "1", |scene| scene.min_turn_radius, Some(1.0));
+    check("turn_cost", "0.5", |scene| scene.turn_cost, Some(0.5));
+    check("stop_cost", "0", |scene| scene.stop_cost, Some(0.0));
+    check("report", "\"full\"", |scene| scene.report, Some(Report::Full));
+    let offset = Body::Footprint(Footprint::Offset { width: 1.0, front: 1.5, rear: 0.0 });
+    let text = r#"{"footprint": {"width": 1, "front": 1.5, "rear": 0}}"#;
+    check("body", text, |scene| scene.body, offset.clone());
+    let text = r#"{"footprint": {"width": 1, "front": 1.5, "rear": 0, "length": null}}"#;
+    check("body", text, |scene| scene.body, offset);
+}
+
+#[test]
+fn free_spaces_by_name() {
+    let digits = "00ff".repeat(16);
+    let named = |text: &str| format!(r#"{{"named": "{text}"}}"#);
+    let name = Digest(std::array::from_fn(|byte| if byte % 2 == 1 { 0xff } else { 0 }));
+    for digits in [&digits, &digits.to_uppercase()] {
+        check("free_space", &named(digits), |scene| scene.free_space.named, Some(name));
+    }
+    let written = json::scene_to_json(&scene(&with("free_space", &named(&digits))));
+    assert!(written.contains(&format!(r#""free_space":{{"named":"{digits}"}}"#)), "{written}");
+    for (text, said) in [
+        ("0f".to_owned(), "the text \"0f\"".to_owned()),
+        (
+            digits.replace("ff", "fg"),
+            format!("the text \"{}…\"", &digits.replace("ff", "fg")[..60]),
+        ),
+        (digits.clone() + "0", format!("the text \"{}…\"", &digits[..60])),
+    ] {
+        let must = "free_space.named must be a text of 64 hexadecimal digits, not";
+        check_refused(
+            &with("free_space", &named(&text)),
+            "free_space.named",
+            &format!("{must} {said}"),
+        );
+    }
+}
+
+#[test]
+fn a_footprint_has_one_form() {
+    for other in ["front", "rear"] {
+        let text = format!(r#"{{"footprint": {{"width": 1, "length": 2, "{other}": 1}}}}"#);
+        let message = format!(
+            "body.footprint.length does not go with `{other}`; give either `length`, or `front` and \
+             `rear`"
+        );
+        check_refused(&with("body", &text), "body.footprint.length", &message);
+    }
+}
+
 /// Refused with the field and these words; the id is echoed.
 #[track_caller]
 fn check_refused(text: &str, field: &str, message: &str) {
@@ -216,12 +275,12 @@ fn unknown_fields_are_named() {
         let message = format!("{path} is not a known field; expected one of {}", known.join(", "));
         check_refused(&with(field, value), path, &message);
     };
-    let scene = "id task free_space body exit start goal start_turn clearance limits sampling \
-                 deadline";
+    let scene = "id task free_space body exit start goal start_turn reverse turn_in_place \
+                 min_turn_radius turn_cost stop_cost report clearance limits sampling deadline";
     check("colour", "1", "colour", scene);
     check("", "1", "scene.\"\"", scene);
     check(&"x".repeat(99), "1", &format!("{}…", "x".repeat(60)), scene);
-    let space = "channels in_order solids bounds";
+    let space = "channels in_order solids bounds named";
     check("free_space", r#"{"chanels": []}"#, "free_space.chanels", space);
     let channels = r#"{"channels": [{"min": [4, 1], "max": [7, 6]}, {"min": [4, 1], "mid": 1}]}"#;
     check("free_space", channels, "free_space.channels[1].mid", "min max");
@@ -231,13 +290,13 @@ fn unknown_fields_are_named() {
     check("free_space", bounds, "free_space.bounds.least", "min max");
     check("body", r#"{"circle": 1}"#, "body.circle", "polygon box footprint");
     let body = r#"{"footprint": {"width": 1, "depth": 1}}"#;
-    check("body", body, "body.footprint.depth", "width length");
+    check("body", body, "body.footprint.depth", "width length front rear");
     check("body", r#"{"box": {"mid": 1}}"#, "body.box.mid", "min max");
     check("start", r#"{"position": [1, 2], "yaw": 1}"#, "start.yaw", "position heading");
     check("goal", r#"{"yaw": 1}"#, "goal.yaw", "position heading");
-    check("clearance", r#"{"gap_": 1}"#, "clearance.gap_", "gap gaps each curve");
+    check("clearance", r#"{"gap_": 1}"#, "clearance.gap_", "gap gaps each curve at_least");
     let each = r#"{"each": [0.2, {"curve": 1}]}"#;
-    check("clearance", each, "clearance.each[1].curve", "gap gaps");
+    check("clearance", each, "clearance.each[1].curve", "gap gaps at_least");
     let limits = "speed acceleration yaw_rate yaw_acceleration lateral_acceleration";
     check("limits", r#"{"jerk": 1}"#, "limits.jerk", limits);
     check("sampling", r#"{"step": 1}"#, "sampling.step", "period spacing count");
@@ -254,6 +313,8 @@ fn missing_fields_are_named() {
     check(&with("free_space", channels), "free_space.channels[1].max");
     check(&with("free_space", r#"{"bounds": {}}"#), "free_space.bounds.min");
     check(&with("body", r#"{"footprint": {"width": 1}}"#), "body.footprint.length");
+    check(&with("body", r#"{"footprint": {"width": 1, "front": 1}}"#), "body.footprint.rear");
+    check(&with("body", r#"{"footprint": {"width": 1, "rear": 1}}"#), "body.footprint.front");
     check(&with("start", r#"{"position": [1, 2]}"#), "start.heading");
     check(&with("goal", r#"{"heading": 1}"#), "goal.position");
 }
@@ -272,8 +333,9 @@ fn one_of_several_fields_is_asked_for() {
     let solids = r#"{"solids": [{}]}"#;
     check("free_space", solids, "free_space.solids[0]", "polygon box", "none");
     let two = r#"{"gap": 1, "curve": 3}"#;
-    check("clearance", two, "clearance", "gap gaps each curve", "`gap` and `curve`");
-    check("clearance", r#"{"each": [{}]}"#, "clearance.each[0]", "gap gaps", "none");
+    check("clearance", two, "clearance", "gap gaps each curve at_least", "`gap` and `curve`");
+    let each = r#"{"each": [{}]}"#;
+    check("clearance", each, "clearance.each[0]", "gap gaps at_least", "none");
     check("sampling", "{}", "sampling", "period spacing count", "none");
     let two = r#"{"count": 1, "period": 1}"#;
     check("sampling", two, "sampling", "period spacing count", "`count` and `period`");
@@ -300,7 +362,7 @@ fn wrong_types_are_refused() {
     let tasks = r#"one of "disassemble", "assemble", "drive", not"#;
     check("task", "\"fly\"", "task", &format!("{tasks} the text \"fly\""));
     check("task", "3", "task", &format!("{tasks} 3"));
-    let space = "an object with `channels`, `in_order`, `solids`, `bounds`, not";
+    let space = "an object with `channels`, `in_order`, `solids`, `bounds`, `named`, not";
     check("free_space", "[]", "free_space", &format!("{space} an empty list"));
     check("free_space", r#"{"channels": 1}"#, "free_space.channels", "a list, not 1");
     let in_order = "free_space.in_order";
@@ -327,8 +389,12 @@ fn wrong_types_are_refused() {
     let exits = format!("{exits} or a list of these, not");
     check("exit", "\"up\"", "exit", &format!("{exits} the text \"up\""));
     check("exit", "{}", "exit", &format!("{exits} an object"));
+    check("reverse", "1", "reverse", "true or false, not 1");
+    check("report", "\"all\"", "report", "\"full\", not the text \"all\"");
+    check("min_turn_radius", "true", "min_turn_radius", "a number, not true");
     check("start_turn", "1", "start_turn", "one of \"in_place\", \"while_moving\", not 1");
-    let wish = "\"safest\" or an object with one of `gap`, `gaps`, `each`, `curve`, not";
+    let wish =
+        "\"safest\" or an object with one of `gap`, `gaps`, `each`, `curve`, `at_least`, not";
     check("clearance", "0.2", "clearance", &format!("{wish} 0.2"));
     check("clearance", "\"safe\"", "clearance", &format!("{wish} the text \"safe\""));
     let gap = "a number or a list of 1 to 3 numbers, not";
@@ -339,7 +405,7 @@ fn wrong_types_are_refused() {
     let four = r#"{"each": [[1, 2, 3, 4]]}"#;
     check("clearance", four, "clearance.each[0]", &format!("{several} a list of 4"));
     let choice = "a gap (a number or a list of 1 to 3 numbers), \"safest\", or an object with one of \
-                  `gap`, `gaps`, not";
+                  `gap`, `gaps`, `at_least`, not";
     check("clearance", r#"{"each": [true]}"#, "clearance.each[0]", &format!("{choice} true"));
     let count = format!("a whole number from 0 to {}, not", u64::MAX);
     check("clearance", r#"{"curve": 2.5}"#, "clearance.curve", &format!("{count} 2.5"));
@@ -443,7 +509,8 @@ proptest! {
     #[test]
     fn messages_speak_of_the_scene(
         field in prop::sample::select(&["task", "free_space", "body", "exit", "start", "goal",
-            "start_turn", "clearance", "limits", "sampling", "deadline"][..]),
+            "start_turn", "reverse", "turn_in_place", "min_turn_radius", "turn_cost", "stop_cost",
+            "report", "clearance", "limits", "sampling", "deadline"][..]),
         value in prop::sample::select(&["1", "-1", "0.5", "true", "\"x\"", "[]", "[[]]", "{}",
             "[1]", "[{}]", "{\"polygon\": {}}", "{\"min\": 1}", "{\"gap\": {}}"][..]),
     ) {

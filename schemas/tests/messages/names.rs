@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use schemas::message::{Axis, CurveKind, Direction, ErrorCode, StartTurn, Task};
+use schemas::message::{Axis, CurveKind, Direction, ErrorCode, Report, Rung, StartTurn, Task};
 
 const INTERFACE: &str = include_str!("../../../docs/interface.md");
 
@@ -23,8 +23,15 @@ macro_rules! names {
 
 #[test]
 fn names_are_snake_case_and_in_the_interface() {
-    let types =
-        [names!(ErrorCode), names!(Task), names!(StartTurn), names!(CurveKind), names!(Axis)];
+    let types = [
+        names!(ErrorCode),
+        names!(Task),
+        names!(StartTurn),
+        names!(CurveKind),
+        names!(Axis),
+        names!(Report),
+        names!(Rung),
+    ];
     for names in types {
         assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "{names:?}");
         for name in names {

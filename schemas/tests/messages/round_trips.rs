@@ -106,7 +106,7 @@ fn long(gaps: usize, route: usize, channels: usize, legs: usize, samples: usize)
     let curve =
         |at| Curve::Arc { center: [at, 1.0].into(), radius: 2.0, start_angle: 3.0, sweep: 4.0 };
     let leg =
-        |at| Leg { curve: curve(at), length: 1.0, clearance: 2.0, junction: None, rule: None };
+        |at| Leg { curve: curve(at), length: 1.0, clearance: 2.0, ..examples::driving().legs[0] };
     let channel = examples::driving().channels[0];
     Trajectory {
         dimension: 2,

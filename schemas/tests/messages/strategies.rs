@@ -4,9 +4,9 @@ use proptest::collection::vec;
 use proptest::option::of;
 use proptest::prelude::*;
 use schemas::message::{
-    Answer, AxisBox, Body, Choice, Clearance, ClearanceWish, Curve, Direction, ErrorCode,
-    Footprint, FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal, ReplyPart, RequestKey, Rule,
-    Sample, Sampling, SceneRequest, Solid, StartTurn, Task, Trajectory, Vector,
+    Answer, AxisBox, Body, Choice, Clearance, ClearanceWish, Curve, Digest, Direction, ErrorCode,
+    Footprint, FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal, ReplyPart, Report, RequestKey,
+    Rule, Rung, Sample, Sampling, SceneRequest, Solid, StartTurn, Task, Trajectory, Vector,
 };
 
 pub(crate) type Numbers = BoxedStrategy<f64>;
@@ -25,6 +25,9 @@ pub(crate) fn numbers() -> Numbers {
 
 pub(crate) const TASKS: [Task; 3] = [Task::Disassemble, Task::Assemble, Task::Drive];
 
+pub(crate) const RUNGS: [Rung; 5] =
+    [Rung::Taut, Rung::Radius, Rung::Aligned, Rung::Reverse, Rung::Lattice];
+
 pub(crate) const DIRECTIONS: [Direction; 6] = [
     Direction::PlusX,
     Direction::MinusX,
@@ -34,7 +37,7 @@ pub(crate) const DIRECTIONS: [Direction; 6] = [
     Direction::MinusZ,
 ];
 
-pub(crate) const ERRORS: [ErrorCode; 15] = [
+pub(crate) const ERRORS: [ErrorCode; 16] = [
     ErrorCode::InvalidScene,
     ErrorCode::UnsupportedVersion,
     ErrorCode::BodyOutsideFreeSpace,
@@ -50,6 +53,7 @@ pub(crate) const ERRORS: [ErrorCode; 15] = [
     ErrorCode::Overloaded,
     ErrorCode::Internal,
     ErrorCode::TooCostly,
+    ErrorCode::UnknownFreeSpace,
 ];
 
 fn one_of<T: Copy + std::fmt::Debug + 'static>(all: &'static [T]) -> BoxedStrategy<T> {
@@ -76,6 +80,7 @@ fn wish(numbers: &Numbers) -> BoxedStrategy<ClearanceWish> {
         gap(numbers).prop_map(Choice::Gap),
         gaps.clone().prop_map(Choice::Gaps),
         Just(Choice::Safest),
+        numbers.clone().prop_map(Choice::AtLeast),
     ];
     prop_oneof![
         gap(numbers).prop_map(ClearanceWish::Gap),
@@ -83,6 +88,7 @@ fn wish(numbers: &Numbers) -> BoxedStrategy<ClearanceWish> {
         Just(ClearanceWish::Safest),
         vec(choice, 0..5).prop_map(ClearanceWish::Each),
         any::<u64>().prop_map(ClearanceWish::Curve),
+        numbers.clone().prop_map(ClearanceWish::AtLeast),
     ]
     .boxed()
 }
@@ -117,16 +123,24 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
     let solid =
         prop_oneof![polygon.clone().prop_map(Solid::Polygon), sides.clone().prop_map(Solid::Box)];
     let free_space =
-        (of(vec(sides.clone(), 0..5)), any::<bool>(), of(vec(solid, 0..5)), of(sides.clone()))
-            .prop_map(|(channels, in_order, solids, bounds)| FreeSpace {
-                channels,
-                in_order,
-                solids,
-                bounds,
-            });
+        (of(vec(sides.clone(), 0..5)), any::<bool>(), of(vec(solid, 0..5)), of(sides.clone()));
+    let free_space = (free_space, of(any::<[u8; 32]>().prop_map(Digest))).prop_map(
+        |((channels, in_order, solids, bounds), named)| FreeSpace {
+            channels,
+            in_order,
+            solids,
+            bounds,
+            named,
+        },
+    );
     let solid_body = prop_oneof![polygon.prop_map(Body::Polygon), sides.prop_map(Body::Box)];
-    let footprint = (numbers.clone(), numbers.clone())
-        .prop_map(|(width, length)| Body::Footprint(Footprint { width, length }));
+    let footprint = (numbers.clone(), numbers.clone(), of(numbers.clone()));
+    let footprint = footprint.prop_map(|(width, along, rear)| {
+        Body::Footprint(match rear {
+            None => Footprint::Centered { width, length: along },
+            Some(rear) => Footprint::Offset { width, front: along, rear },
+        })
+    });
     let body = match planar {
         true => prop_oneof![solid_body, footprint].boxed(),
         false => solid_body.boxed(),
@@ -152,11 +166,18 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
         of(sampling(numbers)),
         of(numbers.clone()),
     );
-    (what, how)
+    let manner = (
+        of(any::<bool>()),
+        of(any::<bool>()),
+        [of(numbers.clone()), of(numbers.clone()), of(numbers.clone())],
+        of(Just(Report::Full)),
+    );
+    (what, how, manner)
         .prop_map(
             |(
                 (id, task, free_space, body, exit, start),
                 (goal, start_turn, clearance, limits, sampling, deadline),
+                (reverse, turn_in_place, [min_turn_radius, turn_cost, stop_cost], report),
             )| SceneRequest {
                 id,
                 task,
@@ -166,6 +187,12 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
                 start,
                 goal,
                 start_turn,
+                reverse,
+                turn_in_place,
+                min_turn_radius,
+                turn_cost,
+                stop_cost,
+                report,
                 clearance,
                 limits,
                 sampling,
@@ -197,13 +224,16 @@ fn leg(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Leg> {
         ),
     ];
     let rule = (1..=u16::MAX, any::<u16>()).prop_map(|(table, number)| Rule { table, number });
-    (curve, number(), number(), of(0..u64::MAX), of(rule))
-        .prop_map(|(curve, length, clearance, junction, rule)| Leg {
+    let found = (any::<bool>(), of(one_of(&RUNGS)));
+    (curve, number(), number(), of(0..u64::MAX), of(rule), found)
+        .prop_map(|(curve, length, clearance, junction, rule, (backwards, rung))| Leg {
             curve,
             length,
             clearance,
             junction,
             rule,
+            reverse: backwards && !matches!(curve, Curve::Turn { .. }),
+            rung,
         })
         .boxed()
 }
@@ -231,6 +261,7 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
         of(one_of(&DIRECTIONS)),
         [number(), number(), number(), number()],
         vector(numbers, dimension),
+        (of(number()), any::<bool>(), of(number())),
     );
     let lists = (
         vec(number(), 0..5),
@@ -242,15 +273,24 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
     (scalars, lists)
         .prop_map(
             move |(
-                (gaps_per_junction, exit, [length, duration, value, at], wall),
+                (
+                    gaps_per_junction,
+                    exit,
+                    [length, duration, value, at],
+                    wall,
+                    (bound, complete, free_clearance),
+                ),
                 (gaps, route, channels, legs, samples),
             )| Trajectory {
                 dimension: dimension as u32,
                 gaps_per_junction,
                 exit,
                 length,
+                bound,
+                complete,
                 duration,
                 clearance: Clearance { value, at, wall },
+                free_clearance,
                 gaps,
                 route,
                 channels,

@@ -99,7 +99,7 @@ fn staircase(corners: usize, samples: u64) -> SceneRequest {
             channels: Some(channels.clone()),
             ..FreeSpace::default()
         },
-        body: Body::Footprint(Footprint { width: 1.0, length: 1.5 }),
+        body: Body::Footprint(Footprint::Centered { width: 1.0, length: 1.5 }),
         start: Some(Pose { position: [1.5, 1.5].into(), heading: std::f64::consts::FRAC_PI_2 }),
         goal: Some(Goal { position: [middle(0), middle(1)].into(), heading: None }),
         clearance: ClearanceWish::Gap(Gap::Uniform(0.6)),

@@ -362,6 +362,7 @@ fn gap_of<'m, const D: usize>(
         Gaps::Same(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
         Gaps::Same(gap) => disassembly::Gap::PerAxis(per_axis(&gap, || wish.field())?),
         Gaps::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
+        Gaps::AtLeast(_) => return Err(check::stray_field(wish.field(), Task::Disassemble).into()),
         Gaps::Each(gaps) => {
             budget.step(gaps.len() as u64)?;
             memory.clear();

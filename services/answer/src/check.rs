@@ -7,7 +7,7 @@ use planning::budget::Budget;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, ErrorCode, Refusal, SceneRequest, Task};
+use schemas::message::{self, Digest, ErrorCode, Refusal, SceneRequest, Task};
 
 use crate::refuse::{self, Axes, Refused};
 
@@ -22,19 +22,25 @@ pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
         ("start", scene.start.is_some() && !drive),
         ("goal", scene.goal.is_some() && !drive),
         ("start_turn", scene.start_turn.is_some() && !drive),
+        ("reverse", scene.reverse.is_some() && !drive),
+        ("turn_in_place", scene.turn_in_place.is_some() && !drive),
+        ("min_turn_radius", scene.min_turn_radius.is_some() && !drive),
+        ("turn_cost", scene.turn_cost.is_some() && !drive),
+        ("stop_cost", scene.stop_cost.is_some() && !drive),
+        ("report", scene.report.is_some() && !drive),
+        ("free_space.named", scene.free_space.named.is_some() && !drive),
         ("limits.yaw_rate", limits.yaw_rate.is_some() && !drive),
         ("limits.yaw_acceleration", limits.yaw_acceleration.is_some() && !drive),
         ("limits.lateral_acceleration", limits.lateral_acceleration.is_some() && !drive),
         ("exit", !scene.exit.is_empty() && drive),
     ];
     if let Some((field, _)) = stray.into_iter().find(|(_, stray)| *stray) {
-        let message = match drive {
-            true => format!("{field} is not a field of task \"drive\", but of assembly tasks"),
-            false => format!("{field} is not a field of assembly tasks, but of task \"drive\""),
-        };
-        return Err(Refusal::invalid(field, message));
+        return Err(stray_field(field, scene.task));
     }
     let free_space = &scene.free_space;
+    if let Some(name) = free_space.named {
+        return Err(named_free_space(free_space, name));
+    }
     if free_space.channels.is_none() {
         if free_space.solids.as_ref().is_none_or(Vec::is_empty) {
             let message = "free_space has neither channels nor solids";
@@ -53,6 +59,55 @@ pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
         return Err(Refusal { has: Some(deadline), least: Some(0.0), ..refusal });
     }
     Ok(())
+}
+
+/// A field of another task.
+pub(crate) fn stray_field(field: impl Into<String>, task: Task) -> Refusal {
+    let field = field.into();
+    let message = match task {
+        Task::Drive => format!("{field} is not a field of task \"drive\", but of assembly tasks"),
+        _ => format!("{field} is not a field of assembly tasks, but of task \"drive\""),
+    };
+    Refusal::invalid(field, message)
+}
+
+fn named_free_space(free_space: &message::FreeSpace, name: Digest) -> Refusal {
+    let field = "free_space.named";
+    let message::FreeSpace { channels, in_order, solids, bounds, named: _ } = free_space;
+    let other = [
+        ("channels", channels.is_some()),
+        ("in_order", *in_order),
+        ("solids", solids.is_some()),
+        ("bounds", bounds.is_some()),
+    ];
+    if let Some((other, _)) = other.into_iter().find(|(_, given)| *given) {
+        let message =
+            format!("{field} does not go with free_space.{other}; give the name or the free space");
+        return Refusal::invalid(field, message);
+    }
+    let message =
+        format!("{field}: no free space is held under {name}; send the free space itself");
+    Refusal { field: Some(field.to_owned()), ..Refusal::new(ErrorCode::UnknownFreeSpace, message) }
+}
+
+/// A number that must be at least 0; `unit` is its unit.
+pub(crate) fn not_negative(field: &str, value: f64, unit: &str) -> Result<(), Refusal> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    let message = format!("{field} is {value} {unit}; it must be finite and at least 0");
+    let refusal = Refusal::invalid(field, message);
+    Err(Refusal { has: Some(value), needs: Some(0.0), ..refusal })
+}
+
+/// A field that has no effect on channels in travel order.
+pub(crate) fn only_in_any_order(field: impl Into<String>) -> Refusal {
+    let field = field.into();
+    let message = format!(
+        "{field} is only for free space in any order: solids, or channels without in_order and \
+         without solids"
+    );
+    Refusal::invalid(field, message)
 }
 
 /// A body that does not go with the task.

@@ -72,9 +72,10 @@ impl Driving {
         parts: &mut Parts<'_, S>,
     ) -> Result<(), Stop<S::Error>> {
         let Self { buffers, memory, anywhere } = self;
-        let errand = Errand::of(scene)?;
+        let any_order = is_any_order(&scene.free_space);
+        let errand = Errand::of(scene, any_order)?;
         let pace = Pace::of(scene, wishes, Stops::AtTurns)?;
-        if is_any_order(&scene.free_space) {
+        if any_order {
             let budget = resources.budget;
             let space = (&mut *buffers, &mut memory.complement);
             let mut job = AnywhereJob::new(scene, (errand, pace), space, anywhere, resources)?;

@@ -4,11 +4,11 @@ use std::convert::Infallible;
 
 use planning::clearance::Clearance;
 use planning::geometry::{self, Vector};
-use planning::motion::{Curve, Leg, wrapped};
+use planning::motion::{self, Curve, Leg, wrapped};
 use planning::trajectory::{Sampler, State};
 use schemas::convert::{self, CellWriter, PartSink, Samples, TrajectoryWriter};
 use schemas::message::{self, AxisBox, Refusal, Reply, ReplyAssembler, RequestKey};
-use schemas::wire::{self, ReplyHeader};
+use schemas::wire::{self, ReplyHeader, reported};
 
 /// A reply on its way: counts parts and answers.
 pub(crate) struct Parts<'a, S> {
@@ -25,7 +25,7 @@ impl<'a, S: PartSink> Parts<'a, S> {
             client: key.client,
             sequence: key.sequence,
             id: id.unwrap_or(0),
-            has_id: id.is_some().into(),
+            given: if id.is_some() { reported::ID } else { 0 },
             answers,
             ..ReplyHeader::default()
         };
@@ -67,6 +67,10 @@ pub(crate) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
         junction: leg.junction.map_or(u64::MAX, |junction| junction as u64),
         length: leg.curve.length(),
         clearance,
+        rung: wire::Leg::rung_code(leg.rung.map(rung)),
+        // Translated parts have no front, and a robot in channels in travel order that turns on
+        // its first line drives as in the paper.
+        reverse: u8::from(leg.rung.is_some() && leg.curve.is_reverse()),
         ..wire::Leg::default()
     };
     match &leg.curve {
@@ -88,6 +92,16 @@ pub(crate) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
         }
     }
     cells
+}
+
+fn rung(rung: motion::Rung) -> message::Rung {
+    match rung {
+        motion::Rung::Taut => message::Rung::Taut,
+        motion::Rung::Radius => message::Rung::Radius,
+        motion::Rung::Aligned => message::Rung::Aligned,
+        motion::Rung::Reverse => message::Rung::Reverse,
+        motion::Rung::Lattice => message::Rung::Lattice,
+    }
 }
 
 /// The states of a motion, if any are wanted, written from within: several times faster

@@ -40,7 +40,10 @@ pub(crate) fn bytes(scene: &SceneRequest) -> usize {
     let clearance = match clearance {
         ClearanceWish::Gaps(gaps) => of(gaps),
         ClearanceWish::Each(choices) => of(choices) + choices.iter().map(of_choice).sum::<usize>(),
-        ClearanceWish::Gap(_) | ClearanceWish::Safest | ClearanceWish::Curve(_) => 0,
+        ClearanceWish::Gap(_)
+        | ClearanceWish::Safest
+        | ClearanceWish::Curve(_)
+        | ClearanceWish::AtLeast(_) => 0,
     };
     let channels = free_space.channels.as_ref().map_or(0, of);
     let solids = free_space
@@ -57,7 +60,7 @@ fn of<T>(list: &Vec<T>) -> usize {
 fn of_choice(choice: &Choice) -> usize {
     match choice {
         Choice::Gaps(gaps) => of(gaps),
-        Choice::Gap(_) | Choice::Safest => 0,
+        Choice::Gap(_) | Choice::Safest | Choice::AtLeast(_) => 0,
     }
 }
 

@@ -14,6 +14,8 @@ pub(crate) enum Gaps<'a> {
     Each(&'a [Gap]),
     /// This fraction of the greatest, in (0, 1].
     Fraction(f64),
+    /// None given: the shortest motion with at least this free clearance, metres.
+    AtLeast(f64),
 }
 
 /// All answers to a request.
@@ -68,10 +70,12 @@ impl<'a> Wishes<'a> {
             ClearanceWish::Gap(gap) => Gaps::Same(*gap),
             ClearanceWish::Gaps(gaps) => Gaps::Each(gaps),
             ClearanceWish::Safest => Gaps::Fraction(1.0),
+            ClearanceWish::AtLeast(clearance) => Gaps::AtLeast(*clearance),
             ClearanceWish::Each(choices) => match &choices[index as usize] {
                 Choice::Gap(gap) => Gaps::Same(*gap),
                 Choice::Gaps(gaps) => Gaps::Each(gaps),
                 Choice::Safest => Gaps::Fraction(1.0),
+                Choice::AtLeast(clearance) => Gaps::AtLeast(*clearance),
             },
             ClearanceWish::Curve(points) => Gaps::Fraction(f64::from(index + 1) / *points as f64),
         };
@@ -85,6 +89,7 @@ impl Wish<'_> {
         match self.clearance {
             ClearanceWish::Gap(_) => "clearance.gap".to_owned(),
             ClearanceWish::Gaps(_) => "clearance.gaps".to_owned(),
+            ClearanceWish::AtLeast(_) => "clearance.at_least".to_owned(),
             ClearanceWish::Each(_) => format!("clearance.each[{}]", self.index),
             ClearanceWish::Safest | ClearanceWish::Curve(_) => "clearance".to_owned(),
         }

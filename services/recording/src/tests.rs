@@ -7,8 +7,8 @@ use std::rc::Rc;
 
 use mcap::records::{MessageHeader, op};
 use schemas::message::{
-    Body, Clearance, ClearanceWish, FreeSpace, Gap, Limits, ReplyPart, Request, RequestContent,
-    RequestKey, Sample, SceneRequest, Task, Trajectory,
+    Body, Clearance, ClearanceWish, Gap, ReplyPart, Request, RequestContent, RequestKey, Sample,
+    SceneRequest, Task, Trajectory,
 };
 use schemas::topic;
 
@@ -23,16 +23,9 @@ fn request(sequence: u64) -> Request {
     let scene = SceneRequest {
         id: Some(sequence),
         task: Task::Disassemble,
-        free_space: FreeSpace::default(),
         body: Body::Polygon(vec![[4.5, 1.01].into(), [4.5, 4.0].into(), [6.99, 4.0].into()]),
-        exit: Vec::new(),
-        start: None,
-        goal: None,
-        start_turn: None,
         clearance: ClearanceWish::Gap(Gap::Uniform(0.2)),
-        limits: Limits::default(),
-        sampling: None,
-        deadline: None,
+        ..SceneRequest::empty()
     };
     Request { key: key(sequence), sent_ns: 1_000 + sequence, content: RequestContent::Scene(scene) }
 }

@@ -24,6 +24,7 @@ pub(crate) fn one_by_one(scene: &SceneRequest) -> Vec<SceneRequest> {
         Choice::Gap(gap) => ClearanceWish::Gap(*gap),
         Choice::Gaps(gaps) => ClearanceWish::Gaps(gaps.clone()),
         Choice::Safest => ClearanceWish::Safest,
+        Choice::AtLeast(least) => ClearanceWish::AtLeast(*least),
     };
     choices.iter().map(|choice| SceneRequest { clearance: wish(choice), ..scene.clone() }).collect()
 }

@@ -113,5 +113,5 @@ pub fn read(path: &Path) -> Result<FreeSpace, MapError> {
         }
     }
     let bounds = frame.place(&boxes::CellRange { x: [0, width], y: [0, height] });
-    Ok(FreeSpace { channels: None, in_order: false, solids: Some(solids), bounds: Some(bounds) })
+    Ok(FreeSpace { solids: Some(solids), bounds: Some(bounds), ..FreeSpace::default() })
 }

@@ -36,10 +36,9 @@ fn the_last_row_of_the_picture_is_at_the_origin() {
         cells([11.0, -2.5], [11.5, -2.0]),
     ];
     let expected = FreeSpace {
-        channels: None,
-        in_order: false,
         solids: Some(solids.map(Solid::Box).to_vec()),
         bounds: Some(cells([10.0, -4.0], [11.5, -2.0])),
+        ..FreeSpace::default()
     };
     assert_eq!(map::read(&path).unwrap(), expected);
 }

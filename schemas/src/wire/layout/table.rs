@@ -4,8 +4,10 @@ use std::mem::offset_of;
 
 use super::Words::{Bits, Codes};
 use super::{Field, Item, Layout, Payload, Section, Structure, Words, field};
-use crate::message::{Axis, CurveKind, Direction, ErrorCode, StartTurn, Task};
-use crate::wire::{Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present};
+use crate::message::{Axis, CurveKind, Direction, ErrorCode, Report, Rung, StartTurn, Task};
+use crate::wire::{
+    Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present, reported, switch,
+};
 
 pub(super) const PREAMBLE: &str = "\
 Generated from the structures in schemas/src/wire.rs and their tables.
@@ -15,7 +17,7 @@ offset in bytes, type, field. Payloads are cells of 8 bytes, items in the order 
 What a bit or a count declares absent is not read. D is the header's dimension.
 ";
 
-const GIVEN: [(&str, u64); 16] = [
+const GIVEN: [(&str, u64); 24] = [
     ("id", given::ID),
     ("channels", given::CHANNELS),
     ("in_order", given::IN_ORDER),
@@ -32,6 +34,24 @@ const GIVEN: [(&str, u64); 16] = [
     ("yaw_rate", given::LIMITS << 2),
     ("yaw_acceleration", given::LIMITS << 3),
     ("lateral_acceleration", given::LIMITS << 4),
+    ("reverse", given::REVERSE),
+    ("turn_in_place", given::TURN_IN_PLACE),
+    ("min_turn_radius", given::MIN_TURN_RADIUS),
+    ("turn_cost", given::TURN_COST),
+    ("stop_cost", given::STOP_COST),
+    ("report", given::REPORT),
+    ("rear", given::REAR),
+    ("named", given::NAMED),
+];
+
+const SWITCHES: [(&str, u64); 2] =
+    [("reverse", switch::REVERSE as u64), ("turn_in_place", switch::TURN_IN_PLACE as u64)];
+
+const REPORTED: [(&str, u64); 4] = [
+    ("id", reported::ID as u64),
+    ("bound", reported::BOUND as u64),
+    ("free_clearance", reported::FREE_CLEARANCE as u64),
+    ("incomplete", reported::INCOMPLETE as u64),
 ];
 
 const PRESENT: [(&str, u64); 9] = [
@@ -45,6 +65,17 @@ const PRESENT: [(&str, u64); 9] = [
     ("field", present::FIELD),
     ("setting", present::SETTING),
 ];
+
+/// The codes of a leg's rung, of which 0 is none.
+const RUNGS: [&str; 1 + Rung::NAMES.len()] = {
+    let mut names = ["none"; 1 + Rung::NAMES.len()];
+    let mut index = 0;
+    while index < Rung::NAMES.len() {
+        names[1 + index] = Rung::NAMES[index];
+        index += 1;
+    }
+    names
+};
 
 macro_rules! words {
     () => {
@@ -125,19 +156,27 @@ const SECTIONS: &[Section] = &[
         choices: "entries in the payload: 1 for one choice, 0 for a curve"
         body_points: "points in the payload: vertices, 2 for a box, 1 for a footprint"
         channels: "entries in the payload"
-        solids: "entries in the payload"),
+        solids: "entries in the payload"
+        switches (Bits(&SWITCHES)): "values of these fields"
+        report (Codes(Report::NAMES)): ""
+        min_turn_radius: "m"
+        turn_cost: "m per rad"
+        stop_cost: "m per stop"
+        rear: "m; with it the footprint in the payload is width, front"
+        named: "SHA-256 of the free space"),
     payload!("Request": "the payload of a request"
         "exit" ["exits"] (Codes(Direction::NAMES)): "u64", ""
         "choice" ["choices"]: "Choice", ""
         "body" ["body_points"]: "D f64", "m; box: least, then greatest corner; \
-            footprint: width, length"
+            footprint: width, length, or width, front if rear is given"
         "channel" ["channels"]: "2 D f64", "m; least, then greatest corner"
         "solid" ["solids"]: "Solid", ""),
     payload!("Choice": "a clearance"
-        "kind" (Codes(&["gap", "gaps", "safest"])): "u64", ""
+        "kind" (Codes(&["gap", "gaps", "safest", "at_least"])): "u64", ""
         "gap" if "kind is 0": "Gap", ""
         "junctions" if "kind is 1": "u64", "a count"
-        "gaps" ["junctions"] if "kind is 1": "Gap", ""),
+        "gaps" ["junctions"] if "kind is 1": "Gap", ""
+        "least" if "kind is 3": "f64", "free clearance, m"),
     payload!("Gap": "one gap, m"
         "axes" : "u64", "0: the same on every axis; 1 to 3: one number per axis"
         "gap" ["axes (0: 1)"]: "f64", ""),
@@ -153,7 +192,8 @@ const SECTIONS: &[Section] = &[
         sequence: "the request's"
         sent_ns: "nanoseconds since the Unix epoch"
         id: "the request's"
-        has_id: "0 or 1"
+        given (Bits(&REPORTED)): "optional fields that are present; incomplete: the search ended \
+            early"
         last: "1: no part follows"
         part: "from 0"
         kind (Codes(&["trajectory", "refusal"])): ""
@@ -171,7 +211,9 @@ const SECTIONS: &[Section] = &[
         channels: "entries in the payload"
         legs: "entries in the payload"
         samples: "entries in the payload"
-        refusal: "cells of the payload, if kind is 1"),
+        refusal: "cells of the payload, if kind is 1"
+        bound: "m"
+        free_clearance: "m"),
     payload!("Trajectory": "the payload if kind is 0; lists continue in the answer's next part"
         "gap" ["gaps"]: "f64", "m"
         "channel index" ["route"]: "u64", ""
@@ -196,6 +238,8 @@ const SECTIONS: &[Section] = &[
         "setting": "UTF-8", "likewise"),
     structure!(Leg: "a piece of a path"
         kind (Codes(CurveKind::NAMES)): ""
+        rung (Codes(&RUNGS)): ""
+        reverse: "1: driven backwards, otherwise 0"
         table: "of the rule; 0 for none"
         number: "of the rule in its table"
         junction: "all bits set for none"

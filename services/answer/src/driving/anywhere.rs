@@ -7,7 +7,7 @@ use planning::free_space::floor::{Floor, FloorError};
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;
 use planning::trajectory::Profile;
-use schemas::convert::{PartSink, TrajectoryWriter};
+use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
 use schemas::message::{Gap, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
@@ -104,6 +104,10 @@ impl<'a> AnywhereJob<'a> {
                 }
                 _ => Err(refuse::one_gap(field).into()),
             },
+            Gaps::AtLeast(least) => {
+                check::not_negative(&field, least, "m")?;
+                Ok(any_angle::Wish::AtLeast(least))
+            }
             Gaps::Each(gaps) => Err(refuse::gap_per_junction(field, gaps.len()).into()),
             Gaps::Fraction(1.0) => Ok(any_angle::Wish::Safest),
             Gaps::Fraction(part) => {
@@ -158,6 +162,11 @@ impl Job for AnywhereJob<'_> {
             header.length = found.length;
             header.duration = profile.duration();
             parts::clearance(header, found.clearance.as_ref());
+            header.set_certificate(Certificate {
+                bound: Some(found.bound),
+                free_clearance: Some(found.free_clearance),
+                complete: found.is_complete,
+            });
         };
         parts.trajectory(fill, lists, last)
     }

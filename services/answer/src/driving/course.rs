@@ -8,6 +8,7 @@ use planning::geometry::AxisBox;
 use schemas::message::{Gap, Refusal};
 
 use super::errand::Errand;
+use crate::check;
 use crate::refuse::{self, FLOOR, Refused};
 use crate::wish::{Gaps, Wish};
 
@@ -53,6 +54,7 @@ impl<'a> KeptGap<'a> {
                 Self::Each(gaps)
             }
             Gaps::Fraction(fraction) => Self::Part(fraction),
+            Gaps::AtLeast(_) => return Err(check::only_in_any_order(wish.field()).into()),
         })
     }
 }
@@ -145,7 +147,7 @@ fn task<'a>(
     walls: &'a Walls<2>,
 ) -> Drive<'a> {
     let channels = chain.channels();
-    let Errand { footprint, start, goal, start_turn } = *errand;
+    let Errand { footprint, start, goal, start_turn, .. } = *errand;
     let (first, last) = (channels[0], channels[channels.len() - 1]);
     Drive { footprint, start, goal, start_turn, first, last, corners, walls }
 }

@@ -1,6 +1,6 @@
 //! What a robot is asked to do.
 
-use planning::any_angle;
+use planning::any_angle::{self, Abilities, Costs};
 use planning::budget::Budget;
 use planning::clearance::rectangle::Footprint;
 use planning::driving::{Goal, Pose, StartTurn, limits};
@@ -20,21 +20,21 @@ pub(super) struct Errand {
     pub(super) start: Pose,
     pub(super) goal: Goal,
     pub(super) start_turn: StartTurn,
+    pub(super) abilities: Abilities,
+    pub(super) costs: Costs,
+    /// Whether the reply has bounds and free clearances for channels in travel order, too.
+    #[expect(dead_code, reason = "channels in travel order have neither yet")]
+    pub(super) full_report: bool,
 }
 
 impl Errand {
-    pub(super) fn of(scene: &SceneRequest) -> Result<Self, Refusal> {
+    /// `any_order`: whether the robot may travel its free space in any order.
+    pub(super) fn of(scene: &SceneRequest, any_order: bool) -> Result<Self, Refusal> {
         let Body::Footprint(footprint) = &scene.body else {
             let message = "body: in task \"drive\" the body is a footprint";
             return Err(Refusal::invalid("body", message));
         };
-        let sizes = [footprint.width, footprint.length];
-        let footprint = Footprint::new(footprint.width, footprint.length).map_err(|error| {
-            let message = format!("body.footprint: {error}");
-            let (has, least) = (Some(error.least()), Some(0.0));
-            Refusal { has, least, ..Refusal::invalid("body.footprint", message) }
-        })?;
-        check::in_range(|| "body.footprint".to_owned(), &sizes)?;
+        let footprint = footprint_of(footprint)?;
         let Some(start) = scene.start else {
             let message = "start is missing; task \"drive\" needs a start pose";
             return Err(Refusal::invalid("start", message));
@@ -56,6 +56,9 @@ impl Errand {
                 None | Some(message::StartTurn::InPlace) => StartTurn::InPlace,
                 Some(message::StartTurn::WhileMoving) => StartTurn::WhileMoving,
             },
+            abilities: abilities(scene, any_order)?,
+            costs: costs(scene)?,
+            full_report: scene.report == Some(message::Report::Full),
         })
     }
 
@@ -104,8 +107,7 @@ impl Errand {
 
     /// The robot among walls at any angle.
     pub(super) fn among<'a>(&self, walls: &'a Walls<2>, floor: &'a Floor) -> any_angle::Errand<'a> {
-        let Self { footprint, start, goal, start_turn } = *self;
-        let (abilities, costs) = (Default::default(), Default::default());
+        let Self { footprint, start, goal, start_turn, abilities, costs, .. } = *self;
         any_angle::Errand { footprint, start, goal, start_turn, abilities, costs, walls, floor }
     }
 
@@ -117,4 +119,69 @@ impl Errand {
         let sides = (footprint.width(), gap);
         route::RobotMover::new(start.position, goal.position, Vector::repeat(needs), sides)
     }
+}
+
+fn footprint_of(footprint: &message::Footprint) -> Result<Footprint, Refusal> {
+    let field = "body.footprint";
+    let (made, sizes) = match *footprint {
+        message::Footprint::Centered { width, length } => {
+            (Footprint::new(width, length), [width, length, 0.0])
+        }
+        message::Footprint::Offset { width, front, rear } => {
+            (Footprint::offset(width, front, rear), [width, front, rear])
+        }
+    };
+    let made = made.map_err(|error| {
+        let message = format!("{field}: {error}");
+        let (has, least) = (Some(error.least()), Some(0.0));
+        Refusal { has, least, ..Refusal::invalid(field, message) }
+    })?;
+    check::in_range(|| field.to_owned(), &sizes)?;
+    Ok(made)
+}
+
+fn abilities(scene: &SceneRequest, any_order: bool) -> Result<Abilities, Refusal> {
+    let &SceneRequest { reverse, turn_in_place, min_turn_radius, .. } = scene;
+    let default = Abilities::default();
+    if let Some(radius) = min_turn_radius {
+        if !(radius.is_finite() && radius > 0.0) {
+            let message =
+                format!("min_turn_radius is {radius} m; it must be finite and greater than 0");
+            let refusal = Refusal::invalid("min_turn_radius", message);
+            return Err(Refusal { has: Some(radius), least: Some(0.0), ..refusal });
+        }
+        check::in_range(|| "min_turn_radius".to_owned(), &[radius])?;
+    }
+    if turn_in_place == Some(false) && min_turn_radius.is_none() {
+        let message = "min_turn_radius is missing; a robot that can't turn in place needs it";
+        return Err(Refusal::invalid("min_turn_radius", message));
+    }
+    let without_effect = [
+        ("reverse", reverse == Some(true)),
+        ("turn_in_place", turn_in_place == Some(false)),
+        ("min_turn_radius", min_turn_radius.is_some()),
+    ];
+    if let Some((field, _)) = without_effect.into_iter().find(|(_, given)| *given)
+        && !any_order
+    {
+        return Err(check::only_in_any_order(field));
+    }
+    Ok(Abilities {
+        reverse: reverse.unwrap_or(default.reverse),
+        turn_in_place: turn_in_place.unwrap_or(default.turn_in_place),
+        min_turn_radius: min_turn_radius.unwrap_or(default.min_turn_radius),
+    })
+}
+
+fn costs(scene: &SceneRequest) -> Result<Costs, Refusal> {
+    let default = Costs::default();
+    let cost = |field: &str, value: Option<f64>, default: f64, unit: &str| {
+        let value = value.unwrap_or(default);
+        check::not_negative(field, value, unit)?;
+        check::in_range(|| field.to_owned(), &[value]).map(|()| value)
+    };
+    Ok(Costs {
+        turn: cost("turn_cost", scene.turn_cost, default.turn, "m/rad")?,
+        stop: cost("stop_cost", scene.stop_cost, default.stop, "m")?,
+    })
 }

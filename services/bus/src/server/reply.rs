@@ -123,9 +123,12 @@ impl PartSink for ReplySink<'_> {
             Active::Current(active) => {
                 send::<Current>(active, header, cells, fill, |cells| tap.reply(&header, cells))
             }
-            Active::Previous(active) if previous::same_payload(&header) => {
+            Active::Previous(active) if previous::same_cells(&header) => {
                 let old = previous::downgrade_header(&header);
-                send::<Previous>(active, old, cells, fill, |cells| tap.reply(&header, cells))
+                send::<Previous>(active, old, cells, fill, |cells| {
+                    tap.reply(&header, cells);
+                    previous::downgrade_trajectory(&header, cells);
+                })
             }
             Active::Previous(active) => {
                 scratch.cells.clear();
@@ -151,14 +154,14 @@ impl PartSink for ReplySink<'_> {
     }
 }
 
-/// Sends one part: `fill` writes its payload into the loaned memory, `copy` sees it before
+/// Sends one part: `fill` writes its payload into the loaned memory, `finish` has it before
 /// it goes.
 fn send<V: Version>(
     active: &PlanRequest<V>,
     header: <V::Reply as UserHeader>::Plain,
     cells: usize,
     fill: impl FnOnce(&mut CellWriter),
-    copy: impl FnOnce(&[u64]),
+    finish: impl FnOnce(&mut [u64]),
 ) -> Result<(), SendError> {
     let mut response = active.loan_slice_uninit(cells)?;
     response.user_header_mut().set(header);
@@ -170,8 +173,8 @@ fn send<V: Version>(
     fill_all(payload, fill);
     #[expect(unsafe_code, reason = "loaned memory is written where it will be read")]
     // SAFETY: all cells are written, as just checked.
-    let response = unsafe { response.assume_init() };
-    copy(response.payload());
+    let mut response = unsafe { response.assume_init() };
+    finish(response.payload_mut());
     response.send()
 }
 

@@ -204,7 +204,7 @@ pub(crate) fn answer(
         client: header.client,
         sequence: header.sequence,
         id: header.id,
-        has_id: 1,
+        given: wire::reported::ID,
         answers: 1,
         gaps_per_junction: trajectory.gaps_per_junction,
         length: trajectory.length,

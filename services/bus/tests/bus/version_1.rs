@@ -145,8 +145,7 @@ impl OldClient {
         let until = Instant::now() + LONG;
         loop {
             if let Some(part) = pending.receive().unwrap() {
-                let words: [u64; 19] = part.user_header().0;
-                return (bytemuck::cast(words), part.payload().to_vec());
+                return (header_of(part.user_header().0), part.payload().to_vec());
             }
             assert!(Instant::now() < until, "no reply");
             while self.bell.try_wait(|_| {}).unwrap() != 0 {}
@@ -182,5 +181,13 @@ impl OldClient {
 }
 
 fn header_words(header: &wire::RequestHeader) -> [u64; 34] {
-    bytemuck::cast_slice(bytemuck::bytes_of(header)).try_into().unwrap()
+    let words: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(header));
+    words[..34].try_into().unwrap()
+}
+
+/// What a header of version 1 says, as the current version has it.
+fn header_of(old: [u64; 19]) -> wire::ReplyHeader {
+    let mut header = wire::ReplyHeader::default();
+    bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut header))[..19].copy_from_slice(&old);
+    header
 }

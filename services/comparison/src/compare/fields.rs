@@ -79,6 +79,11 @@ impl<'a> Comparer<'a> {
         if recorded.is_none() { Ok(()) } else { self.optional(field, recorded, planned) }
     }
 
+    /// As [`Comparer::added`], for a number.
+    fn added_number(&self, field: &str, recorded: Option<f64>, planned: Option<f64>) -> Compared {
+        if recorded.is_none() { Ok(()) } else { self.optional_number(field, recorded, planned) }
+    }
+
     fn number(&self, field: &str, recorded: f64, planned: f64) -> Compared {
         self.distance(field, recorded, planned, (recorded - planned).abs())
     }
@@ -215,8 +220,11 @@ impl<'a> Comparer<'a> {
             gaps_per_junction,
             exit,
             length,
+            bound,
+            complete,
             duration,
             clearance,
+            free_clearance,
             gaps,
             route,
             channels,
@@ -227,8 +235,11 @@ impl<'a> Comparer<'a> {
         self.same("gaps_per_junction", *gaps_per_junction, planned.gaps_per_junction)?;
         self.optional("exit", *exit, planned.exit)?;
         self.number("length", *length, planned.length)?;
+        self.added_number("bound", *bound, planned.bound)?;
+        self.same("complete", *complete, planned.complete)?;
         self.number("duration", *duration, planned.duration)?;
         self.clearances(clearance, &planned.clearance)?;
+        self.added_number("free_clearance", *free_clearance, planned.free_clearance)?;
         self.list(["gap", "gaps"], [gaps, &planned.gaps], |at, one, other| {
             at.number("value", *one, *other)
         })?;
@@ -253,12 +264,14 @@ impl<'a> Comparer<'a> {
     }
 
     fn legs(&self, recorded: &Leg, planned: &Leg) -> Compared {
-        let Leg { curve, length, clearance, junction, rule } = *recorded;
+        let Leg { curve, length, clearance, junction, rule, reverse, rung } = *recorded;
         self.curves(curve, planned.curve)?;
         self.number("length", length, planned.length)?;
         self.number("clearance", clearance, planned.clearance)?;
         self.optional("junction", junction, planned.junction)?;
-        self.optional("rule", rule, planned.rule)
+        self.optional("rule", rule, planned.rule)?;
+        self.same("reverse", reverse, planned.reverse)?;
+        self.added("rung", rung, planned.rung)
     }
 
     fn curves(&self, recorded: Curve, planned: Curve) -> Compared {

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use schemas::message::{
-    Answer, Clearance, Curve, Direction, Leg, RequestKey, Rule, Sample, Trajectory,
+    Answer, Clearance, Curve, Direction, Leg, RequestKey, Rule, Rung, Sample, Trajectory,
 };
 
 use super::*;
@@ -20,7 +20,7 @@ fn trajectory() -> Trajectory {
         clearance: Clearance { value: 0.01, at: 0.0, wall: [6.99, 1.0].into() },
         gaps: vec![0.2, 0.3],
         route: vec![0, 1, 2],
-        legs: vec![Leg { curve: arc, length: 1.5, clearance: 0.1, junction: Some(0), rule }],
+        legs: vec![Leg { junction: Some(0), rule, ..Leg::new(arc, 1.5, 0.1) }],
         samples: [0.0, 0.02, 0.04].map(sample).to_vec(),
         ..Trajectory::default()
     }
@@ -205,6 +205,45 @@ fn a_setting_is_compared_if_the_recording_has_it() {
     for planned in [old, other] {
         assert!(matches!(compare(&new, &planned, Tolerance::Exact), Outcome::Different(_)));
     }
+}
+
+#[test]
+fn what_older_recordings_lack_is_compared_if_the_recording_has_it() {
+    type Change = fn(&mut Trajectory);
+    let changes: [(Change, &str); 3] = [
+        (|it| it.bound = Some(7.0), "bound: recorded 7.0000000000000000, planned none"),
+        (
+            |it| it.free_clearance = Some(0.5),
+            "free_clearance: recorded 0.50000000000000000, planned none",
+        ),
+        (|it| it.legs[0].rung = Some(Rung::Taut), "leg 0, rung: recorded taut, planned none"),
+    ];
+    for (change, expected) in changes {
+        let mut added = trajectory();
+        change(&mut added);
+        let [old, new] = [trajectory(), added].map(|trajectory| reply(Ok(vec![Ok(trajectory)])));
+        assert_eq!(compare(&old, &new, Tolerance::Exact), EQUAL, "{expected}");
+        assert_eq!(compare(&new, &new, Tolerance::Exact), EQUAL, "{expected}");
+        let Outcome::Different(difference) = compare(&new, &old, Tolerance::Exact) else {
+            panic!("{expected}");
+        };
+        assert_eq!(difference.to_string(), format!("answer 0, {expected}"));
+    }
+}
+
+#[test]
+fn bounds_reverse_legs_and_early_ends_are_compared() {
+    check(|it| it.complete = false, "answer 1, complete: recorded true, planned false");
+    check(|it| it.legs[0].reverse = true, "answer 1, leg 0, reverse: recorded false, planned true");
+    let with = |bound| {
+        let trajectory = Trajectory { bound: Some(bound), ..trajectory() };
+        reply(Ok(vec![Ok(trajectory)]))
+    };
+    let Outcome::Different(difference) = compare(&with(7.0), &with(7.25), Tolerance::Exact) else {
+        panic!("they differ");
+    };
+    assert_eq!((difference.path.field.as_str(), difference.distance), ("bound", Some(0.25)));
+    assert_eq!(compare(&with(7.0), &with(7.25), Tolerance::Within(0.25)), EQUAL);
 }
 
 #[test]

@@ -40,7 +40,9 @@ pub(super) fn title(scene: &SceneRequest, reply: &Reply, shown: usize) -> (Strin
     parts.extend(space.channels.as_ref().map(|channels| count(channels.len(), "channel")));
     parts.extend(space.solids.as_ref().map(|solids| count(solids.len(), "solid")));
     let sides = match &scene.body {
-        Body::Footprint(footprint) => Some(vec![footprint.width, footprint.length]),
+        Body::Footprint(footprint) => {
+            Some(vec![footprint.width(), footprint.front() + footprint.rear()])
+        }
         Body::Box(sides) => {
             let (min, max) = (sides.min.as_slice(), sides.max.as_slice());
             Some(min.iter().zip(max).map(|(min, max)| max - min).collect())
@@ -88,15 +90,18 @@ fn wish(scene: &SceneRequest, index: usize) -> String {
     };
     let safest = "safest gap".to_owned();
     let own = "own gap at each junction".to_owned();
+    let at_least = |least: f64| format!("free clearance at least {} m", significant(least));
     match &scene.clearance {
         ClearanceWish::Gap(wished) => gap(wished),
         ClearanceWish::Gaps(_) => own,
         ClearanceWish::Safest => safest,
+        ClearanceWish::AtLeast(least) => at_least(*least),
         ClearanceWish::Curve(points) => format!("point {} of {points}", index + 1),
         ClearanceWish::Each(choices) => match choices.get(index) {
             Some(Choice::Gap(wished)) => gap(wished),
             Some(Choice::Gaps(_)) => own,
             Some(Choice::Safest) => safest,
+            Some(Choice::AtLeast(least)) => at_least(*least),
             None => format!("answer {}", index + 1),
         },
     }

@@ -197,7 +197,7 @@ fn staircase(count: u32, unit: f64) -> (SceneRequest, Reply) {
     let leg = |index: u32| {
         let [a, b] = [point(index), point(index + 1)].map(|[x, z, _]| Vector::from([x, z]));
         let curve = Curve::Line { from: a, to: b, heading: 0.0, turned: 0.0 };
-        Leg { curve, length: unit, clearance: unit, junction: None, rule: None }
+        Leg::new(curve, unit, unit)
     };
     let scene = SceneRequest {
         free_space: FreeSpace {

@@ -113,8 +113,8 @@ impl World {
             }
             Body::Box(sides) => Mover::Part(Shape::Box(corners(sides))),
             Body::Footprint(footprint) => Mover::Robot {
-                width: tame(footprint.width).abs(),
-                length: tame(footprint.length).abs(),
+                width: tame(footprint.width()).abs(),
+                length: tame(footprint.front() + footprint.rear()).abs(),
             },
         };
         let boxes = space.channels.iter().flatten();

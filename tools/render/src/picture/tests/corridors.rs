@@ -210,7 +210,7 @@ fn corridor<const N: usize>(
             in_order: true,
             ..FreeSpace::default()
         },
-        body: Body::Footprint(Footprint { width: 1.0, length: 1.5 }),
+        body: Body::Footprint(Footprint::Centered { width: 1.0, length: 1.5 }),
         start: Some(Pose { position: start.into(), heading }),
         goal: Some(Goal { position: goal.into(), heading: None }),
         clearance: ClearanceWish::Each(choices.collect()),
@@ -230,7 +230,7 @@ fn trajectory<const N: usize>(
     let radius = 0.5 + gap;
     let angle = |from: [f64; 2], to: [f64; 2]| libm::atan2(to[1] - from[1], to[0] - from[0]);
     let wrap = |angle: f64| angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
-    let leg = |curve, length| Leg { curve, length, clearance: *gap, junction: None, rule: None };
+    let leg = |curve, length| Leg::new(curve, length, *gap);
     let line = |from: [f64; 2], to: [f64; 2]| {
         let (length, heading) = (libm::hypot(to[0] - from[0], to[1] - from[1]), angle(from, to));
         leg(Curve::Line { from: from.into(), to: to.into(), heading, turned: 0.0 }, length)

@@ -1,0 +1,195 @@
+//! What a request says of a robot: what it may do, what its motion costs, and where it drives.
+
+use answer::{Caps, reply_to};
+use schemas::json::read_scene;
+use schemas::message::{
+    Answer, ErrorCode, Refusal, Reply, Request, RequestContent, RequestKey, Trajectory,
+};
+
+/// Channels in travel order.
+const IN_ORDER: &str = r#"{ "task": "drive",
+    "free_space": { "channels": [{ "min": [0, 0], "max": [10, 3] }], "in_order": true },
+    "body": { "footprint": { "width": 1, "length": 1.5 } },
+    "start": { "position": [2, 1.5], "heading": 0 }, "goal": { "position": [8, 1.5] },
+    "clearance": { "gap": 0.2 } }"#;
+
+/// A wall with room on both sides of it.
+const ANYWHERE: &str = r#"{ "task": "drive",
+    "free_space": { "solids": [{ "polygon": [[4, 2], [5, 2], [5, 8], [4, 8]] }],
+        "bounds": { "min": [0, 0], "max": [9, 10] } },
+    "body": { "footprint": { "width": 0.5, "length": 0.75 } },
+    "start": { "position": [2, 4], "heading": 0 }, "goal": { "position": [7, 4] },
+    "clearance": { "gap": 0.1 } }"#;
+
+fn with(scene: &str, field: &str) -> String {
+    scene.replacen('{', &format!("{{ {field},"), 1)
+}
+
+#[track_caller]
+fn replaced(scene: &str, from: &str, to: &str) -> String {
+    assert!(scene.contains(from), "{from}");
+    scene.replacen(from, to, 1)
+}
+
+#[track_caller]
+fn reply(scene: &str) -> Reply {
+    let content = RequestContent::Scene(read_scene(scene).unwrap());
+    reply_to(&Request { key: RequestKey::default(), sent_ns: 0, content }, &Caps::default())
+}
+
+#[track_caller]
+fn answers(scene: &str) -> Vec<Answer> {
+    reply(scene).answers.unwrap_or_else(|refusal| panic!("{refusal:?}"))
+}
+
+#[track_caller]
+fn trajectory(scene: &str) -> Trajectory {
+    answers(scene).remove(0).unwrap()
+}
+
+#[track_caller]
+fn refusal(scene: &str) -> Refusal {
+    reply(scene).answers.expect_err("the scene is refused")
+}
+
+#[track_caller]
+fn check_refused(scene: &str, field: &str, words: &str) -> Refusal {
+    let refusal = refusal(scene);
+    assert_eq!((refusal.code, refusal.field.as_deref()), (ErrorCode::InvalidScene, Some(field)));
+    assert!(refusal.message.contains(words), "{}", refusal.message);
+    refusal
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_with_both_numbers() {
+    for scene in [IN_ORDER, ANYWHERE] {
+        let radius = check_refused(
+            &with(scene, r#""min_turn_radius": 0"#),
+            "min_turn_radius",
+            "min_turn_radius is 0 m; it must be finite and greater than 0",
+        );
+        assert_eq!((radius.has, radius.least), (Some(0.0), Some(0.0)));
+        for cost in ["turn_cost", "stop_cost"] {
+            let refusal = check_refused(
+                &with(scene, &format!(r#""{cost}": -0.5"#)),
+                cost,
+                "it must be finite and at least 0",
+            );
+            assert_eq!((refusal.has, refusal.needs), (Some(-0.5), Some(0.0)));
+            check_refused(&with(scene, &format!(r#""{cost}": 1e155"#)), cost, "out of range");
+        }
+        check_refused(&with(scene, r#""min_turn_radius": 1e155"#), "min_turn_radius", "1e155 m");
+    }
+    let least = replaced(ANYWHERE, r#"{ "gap": 0.1 }"#, r#"{ "at_least": -0.5 }"#);
+    let refusal = check_refused(&least, "clearance.at_least", "is -0.5 m; it must be finite");
+    assert_eq!((refusal.has, refusal.needs), (Some(-0.5), Some(0.0)));
+}
+
+#[test]
+fn a_footprint_contains_its_reference_point() {
+    let footprint = |front: f64, rear: f64| {
+        let offset = format!(r#""front": {front}, "rear": {rear}"#);
+        replaced(IN_ORDER, r#""length": 1.5"#, &offset)
+    };
+    for (front, rear) in [(-0.25, 1.0), (1.0, -0.25)] {
+        let refusal = check_refused(&footprint(front, rear), "body.footprint", "-0.25 m");
+        assert_eq!((refusal.has, refusal.least), (Some(-0.25), Some(0.0)));
+    }
+    check_refused(&footprint(0.0, 0.0), "body.footprint", "nor both 0");
+    let centered = reply(IN_ORDER);
+    assert!(centered.answers.is_ok());
+    assert_eq!(reply(&footprint(0.75, 0.75)), centered);
+}
+
+#[test]
+fn a_robot_that_cannot_turn_in_place_has_a_radius() {
+    for scene in [IN_ORDER, ANYWHERE] {
+        let scene = with(scene, r#""turn_in_place": false"#);
+        check_refused(&scene, "min_turn_radius", "min_turn_radius is missing");
+    }
+}
+
+#[test]
+fn what_has_no_effect_in_travel_order_is_refused() {
+    let only = "is only for free space in any order";
+    check_refused(&with(IN_ORDER, r#""reverse": true"#), "reverse", only);
+    check_refused(&with(IN_ORDER, r#""min_turn_radius": 0.5"#), "min_turn_radius", only);
+    let no_turns = r#""turn_in_place": false, "min_turn_radius": 0.5"#;
+    check_refused(&with(IN_ORDER, no_turns), "turn_in_place", only);
+    let least = replaced(IN_ORDER, r#"{ "gap": 0.2 }"#, r#"{ "at_least": 0.2 }"#);
+    check_refused(&least, "clearance.at_least", only);
+    let plain = r#""reverse": false, "turn_in_place": true, "turn_cost": 1, "stop_cost": 0"#;
+    assert_eq!(reply(&with(IN_ORDER, plain)), reply(IN_ORDER));
+}
+
+#[test]
+fn one_of_several_answers_is_refused_by_itself() {
+    let each = replaced(
+        IN_ORDER,
+        r#"{ "gap": 0.2 }"#,
+        r#"{ "each": [{ "at_least": 0.2 }, 0.2, { "at_least": 0.2 }] }"#,
+    );
+    let answers = answers(&each);
+    assert_eq!(answers[1].as_ref().unwrap(), &trajectory(IN_ORDER));
+    for index in [0, 2] {
+        let refusal = answers[index].as_ref().unwrap_err();
+        let field = format!("clearance.each[{index}]");
+        assert_eq!(refusal.field.as_deref(), Some(&*field), "{refusal:?}");
+    }
+}
+
+#[test]
+fn assembly_knows_no_free_clearance() {
+    let scene = r#"{ "task": "disassemble",
+        "free_space": { "channels": [{ "min": [0, 0], "max": [2, 5] }], "in_order": true },
+        "body": { "box": { "min": [0.5, 0.5], "max": [1.5, 3] } },
+        "clearance": { "at_least": 0.1 } }"#;
+    check_refused(scene, "clearance.at_least", "is not a field of assembly tasks");
+}
+
+#[test]
+fn free_clearance_is_at_least_what_is_asked() {
+    for least in [0.0, 0.3, 0.6] {
+        let wish = format!(r#"{{ "at_least": {least} }}"#);
+        let found = trajectory(&replaced(ANYWHERE, r#"{ "gap": 0.1 }"#, &wish));
+        let free = found.free_clearance.unwrap();
+        assert!(free >= least - 1e-9, "{free} m, asked for {least} m");
+        let bound = found.bound.unwrap();
+        assert!(bound <= found.length * (1.0 + 1e-9), "bound {bound} m, length {} m", found.length);
+        assert!(found.legs.iter().all(|leg| leg.rung.is_some() && !leg.reverse), "{found:?}");
+    }
+}
+
+#[test]
+fn trajectories_in_travel_order_keep_their_fields() {
+    let Trajectory { bound, free_clearance, complete, legs, .. } = trajectory(IN_ORDER);
+    assert_eq!((bound, free_clearance, complete), (None, None, true));
+    assert!(legs.iter().all(|leg| leg.rung.is_none() && !leg.reverse), "{legs:?}");
+}
+
+#[test]
+fn a_name_stands_alone_and_must_be_known() {
+    let digits = "0f".repeat(32);
+    let named = |other: &str| {
+        let (_, rest) = ANYWHERE.split_once(r#""body""#).unwrap();
+        let space = format!(r#""free_space": {{ "named": "{digits}"{other} }}"#);
+        format!(r#"{{ "task": "drive", {space}, "body"{rest}"#)
+    };
+    let unknown = refusal(&named(""));
+    assert_eq!(unknown.code, ErrorCode::UnknownFreeSpace);
+    assert_eq!(unknown.field.as_deref(), Some("free_space.named"));
+    assert!(unknown.message.contains(&digits), "{}", unknown.message);
+    assert!(unknown.message.ends_with("send the free space itself"), "{}", unknown.message);
+    for (other, value) in [
+        ("channels", "[]"),
+        ("in_order", "true"),
+        ("solids", "[]"),
+        ("bounds", r#"{ "min": [0, 0], "max": [9, 10] }"#),
+    ] {
+        let scene = named(&format!(r#", "{other}": {value}"#));
+        let words = format!("does not go with free_space.{other}");
+        check_refused(&scene, "free_space.named", &words);
+    }
+    let assembly = named("").replacen("drive", "assemble", 1);
+    assert_eq!(refusal(&assembly).code, ErrorCode::InvalidScene);
+}
