@@ -84,6 +84,16 @@ impl<'a> Wishes<'a> {
 }
 
 impl Wish<'_> {
+    /// Which part of the greatest free clearance is asked for, evenly spaced from 0 to all of it.
+    pub(crate) fn part_of_safest(&self) -> f64 {
+        match self.clearance {
+            ClearanceWish::Curve(points) if *points > 1 => {
+                f64::from(self.index) / (*points - 1) as f64
+            }
+            _ => 1.0,
+        }
+    }
+
     /// The field of the request that asks for this answer.
     pub(crate) fn field(&self) -> String {
         match self.clearance {

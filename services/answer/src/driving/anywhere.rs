@@ -109,8 +109,11 @@ impl<'a> AnywhereJob<'a> {
                 Ok(any_angle::Wish::AtLeast(least))
             }
             Gaps::Each(gaps) => Err(refuse::gap_per_junction(field, gaps.len()).into()),
-            Gaps::Fraction(1.0) => Ok(any_angle::Wish::Safest),
-            Gaps::Fraction(part) => {
+            Gaps::Fraction(_) => {
+                let part = wish.part_of_safest();
+                if part == 1.0 {
+                    return Ok(any_angle::Wish::Safest);
+                }
                 let safest = match self.memory.safest {
                     Some(safest) => safest,
                     None => {

@@ -22,6 +22,9 @@ use crate::motion::{Curve, Leg, Rule, Rung, wrapped};
 /// Lines up to this length are left out, metres: the arcs beside them touch.
 const NO_LINE: f64 = 1e-12;
 
+/// The least gap from corners, as a part of the floor's width.
+const LEAST_GAP: f64 = 1e-9;
+
 /// Radii tried between that of the taut path and that at which the robot can turn anywhere.
 const RADII: usize = 4;
 
@@ -78,7 +81,9 @@ pub fn drive(
             budget,
         )?,
         Wish::AtLeast(least) => {
-            let target = Target { gap: least, least: Some(least), searches_poses: true };
+            // A disc that just touches can't be told from one that overlaps.
+            let gap = least.max(LEAST_GAP * errand.floor.extent());
+            let target = Target { gap, least: Some(least), searches_poses: true };
             shortest(errand, target, planner, found, budget)?;
         }
         Wish::Safest => safest::safest(errand, planner, found, budget)?,
