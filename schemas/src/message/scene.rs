@@ -49,6 +49,19 @@ pub struct SceneRequest {
 }
 
 impl SceneRequest {
+    /// The same scene with nothing of its free space but the name.
+    pub fn with_name_alone(&self) -> Self {
+        let Self { body, exit, clearance, .. } = self;
+        let named = self.free_space.named;
+        Self {
+            free_space: FreeSpace { named, ..FreeSpace::default() },
+            body: body.clone(),
+            exit: exit.clone(),
+            clearance: clearance.clone(),
+            ..*self
+        }
+    }
+
     /// A scene with nothing in it, to read another into.
     pub fn empty() -> Self {
         Self {

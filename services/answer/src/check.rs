@@ -7,7 +7,7 @@ use planning::budget::Budget;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, Digest, ErrorCode, Refusal, SceneRequest, Task};
+use schemas::message::{self, ErrorCode, Refusal, SceneRequest, Task};
 
 use crate::refuse::{self, Axes, Refused};
 
@@ -28,7 +28,6 @@ pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
         ("turn_cost", scene.turn_cost.is_some() && !drive),
         ("stop_cost", scene.stop_cost.is_some() && !drive),
         ("report", scene.report.is_some() && !drive),
-        ("free_space.named", scene.free_space.named.is_some() && !drive),
         ("limits.yaw_rate", limits.yaw_rate.is_some() && !drive),
         ("limits.yaw_acceleration", limits.yaw_acceleration.is_some() && !drive),
         ("limits.lateral_acceleration", limits.lateral_acceleration.is_some() && !drive),
@@ -38,9 +37,6 @@ pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
         return Err(stray_field(field, scene.task));
     }
     let free_space = &scene.free_space;
-    if let Some(name) = free_space.named {
-        return Err(named_free_space(free_space, name));
-    }
     if free_space.channels.is_none() {
         if free_space.solids.as_ref().is_none_or(Vec::is_empty) {
             let message = "free_space has neither channels nor solids";
@@ -69,25 +65,6 @@ pub(crate) fn stray_field(field: impl Into<String>, task: Task) -> Refusal {
         _ => format!("{field} is not a field of assembly tasks, but of task \"drive\""),
     };
     Refusal::invalid(field, message)
-}
-
-fn named_free_space(free_space: &message::FreeSpace, name: Digest) -> Refusal {
-    let field = "free_space.named";
-    let message::FreeSpace { channels, in_order, solids, bounds, named: _ } = free_space;
-    let other = [
-        ("channels", channels.is_some()),
-        ("in_order", *in_order),
-        ("solids", solids.is_some()),
-        ("bounds", bounds.is_some()),
-    ];
-    if let Some((other, _)) = other.into_iter().find(|(_, given)| *given) {
-        let message =
-            format!("{field} does not go with free_space.{other}; give the name or the free space");
-        return Refusal::invalid(field, message);
-    }
-    let message =
-        format!("{field}: no free space is held under {name}; send the free space itself");
-    Refusal { field: Some(field.to_owned()), ..Refusal::new(ErrorCode::UnknownFreeSpace, message) }
 }
 
 /// A number that must be at least 0; `unit` is its unit.

@@ -42,6 +42,7 @@ mod parts;
 mod refuse;
 mod scene;
 mod stop;
+mod uploads;
 mod wish;
 
 use planning::budget::Budget;
@@ -54,6 +55,7 @@ use assembly::Assembly;
 use cache::Cache;
 use driving::Driving;
 use parts::{Collect, Parts};
+use uploads::Uploads;
 use wish::Wishes;
 
 pub use cache::CacheStats;
@@ -69,6 +71,7 @@ pub const CACHE_BYTES: usize = 256 << 20;
 pub struct Workspace {
     caps: Caps,
     scene: SceneRequest,
+    uploads: Uploads,
     cache: Cache,
     buffers: Buffers,
 }
@@ -92,9 +95,15 @@ impl Workspace {
     /// A workspace for requests that cost no more than `caps`, which keeps at most `cache` bytes
     /// from one request to the next.
     pub fn new(caps: Caps, cache: usize) -> Self {
+        Self::with_uploads(caps, cache, cache / BUFFERS_SHARE)
+    }
+
+    /// The same, with a bound of its own for named free spaces, bytes.
+    fn with_uploads(caps: Caps, cache: usize, uploads: usize) -> Self {
         Self {
             caps,
             scene: SceneRequest::empty(),
+            uploads: Uploads::new(uploads),
             cache: Cache::new(cache),
             buffers: Buffers::default(),
         }
@@ -183,10 +192,11 @@ impl Workspace {
         stop: &StopFlag,
         sink: &mut S,
     ) -> Result<(), Stop<S::Error>> {
-        let Self { caps, scene, cache, buffers } = self;
+        let Self { caps, scene, uploads, cache, buffers } = self;
         caps.check_cells(cells.len())?;
         convert::check_version(header)?;
         scene::read(header, cells, scene, budget)?;
+        uploads.open(&mut scene.free_space, budget)?;
         let dimension = convert::dimension(scene)?;
         check::fields(scene)?;
         let wishes = Wishes::of(&scene.clearance, caps)?;
@@ -205,6 +215,7 @@ impl Workspace {
 
     /// Frees what may not be kept.
     fn end_request(&mut self) {
+        self.uploads.close(&mut self.scene.free_space);
         let most = self.cache.most_bytes() / BUFFERS_SHARE;
         if self.buffers.bytes() > most {
             self.buffers = Buffers::default();
@@ -220,7 +231,8 @@ impl Workspace {
 
     /// Memory of what is reused, whatever it contains.
     fn buffer_bytes(&self) -> usize {
-        self.buffers.bytes() + scene::bytes(&self.scene) + self.cache.content_bytes()
+        let scene = scene::bytes(&self.scene) + self.uploads.bytes();
+        self.buffers.bytes() + scene + self.cache.content_bytes()
     }
 }
 
@@ -237,26 +249,42 @@ fn key(header: &wire::RequestHeader) -> RequestKey {
     RequestKey { client: header.client, sequence: header.sequence }
 }
 
-/// Answers a request in this process, bit for bit as a planner with these caps does over the bus.
-/// Keeps nothing between requests.
-pub fn reply_to(request: &Request, caps: &Caps) -> Reply {
-    let mut workspace = Workspace::new(*caps, 0);
-    let mut collect = Collect::default();
-    let stop = StopFlag::new();
-    let Ok(()) = match &request.content {
-        // Through memory as on the bus, so that refusals are the same too.
-        RequestContent::Scene(scene) => {
-            let mut cells = Vec::new();
-            match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {
-                Ok(header) => workspace.answer(&header, &cells, &stop, &mut collect),
-                Err(refusal) => {
-                    Parts::new(request.key, scene.id, 0, &mut collect).refuse(&refusal, true)
+/// Answers requests in this process, one after the other, bit for bit as a planner with these
+/// caps does over the bus. From one request to the next it keeps named free spaces, all of them,
+/// and nothing else.
+#[derive(Debug)]
+pub struct Answerer(Workspace);
+
+impl Answerer {
+    /// Answers requests that cost no more than `caps`.
+    pub fn new(caps: &Caps) -> Self {
+        Self(Workspace::with_uploads(*caps, 0, usize::MAX))
+    }
+
+    /// Answers a request.
+    pub fn reply_to(&mut self, request: &Request) -> Reply {
+        let mut collect = Collect::default();
+        let stop = StopFlag::new();
+        let Ok(()) = match &request.content {
+            // Through memory as on the bus, so that the same is refused in the same words.
+            RequestContent::Scene(scene) => {
+                let mut cells = Vec::new();
+                match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {
+                    Ok(header) => self.0.answer(&header, &cells, &stop, &mut collect),
+                    Err(refusal) => {
+                        Parts::new(request.key, scene.id, 0, &mut collect).refuse(&refusal, true)
+                    }
                 }
             }
-        }
-        RequestContent::Unreadable { header, cells } => {
-            workspace.answer(&convert::header_of(header), cells, &stop, &mut collect)
-        }
-    };
-    collect.reply()
+            RequestContent::Unreadable { header, cells } => {
+                self.0.answer(&convert::header_of(header), cells, &stop, &mut collect)
+            }
+        };
+        collect.reply()
+    }
+}
+
+/// Answers one request alone, as an [`Answerer`] does.
+pub fn reply_to(request: &Request, caps: &Caps) -> Reply {
+    Answerer::new(caps).reply_to(request)
 }

@@ -2,7 +2,7 @@
 
 use planning::budget::Budget;
 use schemas::convert;
-use schemas::message::{Body, Choice, ClearanceWish, SceneRequest, Solid};
+use schemas::message::{Body, Choice, ClearanceWish, FreeSpace, SceneRequest, Solid};
 use schemas::wire::RequestHeader;
 
 use crate::refuse::Refused;
@@ -45,12 +45,15 @@ pub(crate) fn bytes(scene: &SceneRequest) -> usize {
         | ClearanceWish::Curve(_)
         | ClearanceWish::AtLeast(_) => 0,
     };
+    of(exit) + body + clearance + free_space_bytes(free_space)
+}
+
+/// The memory that a free space holds, bytes.
+pub(crate) fn free_space_bytes(free_space: &FreeSpace) -> usize {
     let channels = free_space.channels.as_ref().map_or(0, of);
-    let solids = free_space
-        .solids
-        .as_ref()
-        .map_or(0, |solids| of(solids) + solids.iter().map(of_solid).sum::<usize>());
-    of(exit) + body + clearance + channels + solids
+    let solids = free_space.solids.as_ref();
+    let outlines = |solids: &Vec<Solid>| solids.iter().map(of_solid).sum::<usize>();
+    channels + solids.map_or(0, |solids| of(solids) + outlines(solids))
 }
 
 fn of<T>(list: &Vec<T>) -> usize {

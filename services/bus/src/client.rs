@@ -9,7 +9,9 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::{AllocationStrategy, Node, PortFactory, PortName, ipc};
 use schemas::convert;
-use schemas::message::{Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest};
+use schemas::message::{
+    ErrorCode, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
+};
 use schemas::wire;
 
 use crate::cause::Cause;
@@ -188,6 +190,20 @@ impl Client {
                 return Err(CallError::Interrupted);
             }
         }
+    }
+
+    /// The same for a scene whose free space has its name beside it
+    /// ([`FreeSpace::digest`](schemas::message::FreeSpace::digest)): the name is sent alone, and the
+    /// free space itself only to a planner that does not know it.
+    pub fn call_named(&self, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
+        let begin = Instant::now();
+        let reply = self.call(&scene.with_name_alone(), limit)?;
+        let is_unknown =
+            |refusal: &Refusal| refusal.code == ErrorCode::UnknownFreeSpace;
+        if !reply.answers.as_ref().is_err_and(is_unknown) {
+            return Ok(reply);
+        }
+        self.call(scene, limit.saturating_sub(begin.elapsed()))
     }
 }
 

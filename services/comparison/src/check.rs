@@ -140,7 +140,7 @@ impl fmt::Display for Checked {
 pub fn check(
     path: &Path,
     tolerance: Tolerance,
-    plan: impl Fn(&Request) -> Reply,
+    mut plan: impl FnMut(&Request) -> Reply,
     progress: impl FnMut(u64),
 ) -> Checked {
     let mut cases = Vec::new();

@@ -88,7 +88,7 @@ impl fmt::Display for Difference {
 
 /// Compares two replies, field by field in the order of the message.
 pub fn compare(recorded: &Reply, planned: &Reply, tolerance: Tolerance) -> Outcome {
-    if recorded.answers.as_ref().is_err_and(depends_on_load) {
+    if recorded.answers.as_ref().is_err_and(is_not_repeatable) {
         return Outcome::NotRepeatable;
     }
     let mut reworded = 0;
@@ -98,8 +98,10 @@ pub fn compare(recorded: &Reply, planned: &Reply, tolerance: Tolerance) -> Outco
     }
 }
 
-fn depends_on_load(refusal: &Refusal) -> bool {
-    matches!(refusal.code, ErrorCode::DeadlineExceeded | ErrorCode::Overloaded)
+/// Whether a refusal depends on the clock, on load, or on what the planner still knew.
+fn is_not_repeatable(refusal: &Refusal) -> bool {
+    use ErrorCode::{DeadlineExceeded, Overloaded, UnknownFreeSpace};
+    matches!(refusal.code, DeadlineExceeded | Overloaded | UnknownFreeSpace)
 }
 
 #[cfg(test)]

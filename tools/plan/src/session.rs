@@ -3,8 +3,9 @@
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use answer::Caps;
+use answer::Answerer;
 use bus::{CallError, Client, Wait};
 use configuration::{Config, ConfigError};
 use plan::map::{self, MapError};
@@ -48,7 +49,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Failure> {
     if let Some(pictures) = &pictures {
         pictures.check(&arguments.scenes)?;
     }
-    let map = arguments.map.as_deref().map(map::read).transpose()?;
+    let mut map = arguments.map.as_deref().map(map::read).transpose()?;
+    if let Some(map) = &mut map {
+        map.named = Some(map.digest());
+    }
     let planner = Planner::new(arguments)?;
     let out = BufWriter::new(io::stdout().lock());
     let mut session = Session { arguments, map, planner, pictures, out, scenes: 0, refused: 0 };
@@ -65,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Failure> {
 /// What answers.
 enum Planner {
     /// This process.
-    Local { caps: Caps, sequence: u64 },
+    Local { answerer: Box<Answerer>, sequence: u64 },
     /// The planner of a domain. Signals no longer end this process but set a flag, so that
     /// nothing is left in shared memory.
     Running(Box<Client>),
@@ -75,7 +79,8 @@ impl Planner {
     fn new(arguments: &Arguments) -> Result<Self, Failure> {
         if arguments.local {
             let config = arguments.config.as_deref().map(Config::read).transpose()?;
-            return Ok(Self::Local { caps: config.unwrap_or_default().caps, sequence: 0 });
+            let answerer = Box::new(Answerer::new(&config.unwrap_or_default().caps));
+            return Ok(Self::Local { answerer, sequence: 0 });
         }
         let domain = arguments.domain.clone().unwrap_or_default();
         let connected = Client::connect(&domain, Wait::Hybrid);
@@ -96,18 +101,26 @@ impl Planner {
             return Err(CallError::Interrupted);
         }
         match self {
-            Self::Running(client) => match client.call(scene, arguments.timeout) {
+            Self::Running(client) => match call(client, scene, arguments.timeout) {
                 // A scene that doesn't fit the wire is refused as the planner would.
                 Err(CallError::Scene(refusal)) => Ok(refusal_to(scene.id, refusal)),
                 done => done,
             },
-            Self::Local { caps, sequence } => {
+            Self::Local { answerer, sequence } => {
                 let key = RequestKey { client: 0, sequence: *sequence };
                 *sequence += 1;
                 let content = RequestContent::Scene(scene.clone());
-                Ok(answer::reply_to(&Request { key, sent_ns: 0, content }, caps))
+                Ok(answerer.reply_to(&Request { key, sent_ns: 0, content }))
             }
         }
+    }
+}
+
+/// A map is sent once, and named from then on.
+fn call(client: &Client, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
+    match scene.free_space.named {
+        Some(_) if scene.free_space.solids.is_some() => client.call_named(scene, limit),
+        _ => client.call(scene, limit),
     }
 }
 

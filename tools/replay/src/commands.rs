@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use answer::Answerer;
 use comparison::compare::Tolerance;
 use comparison::{check, diff, exchanges};
 use configuration::Config;
@@ -91,10 +92,12 @@ fn checked(
     findings: &mut Findings,
 ) -> Result<Vec<check::Checked>, Box<dyn Error>> {
     let caps = config.map(Config::read).transpose()?.unwrap_or_default().caps;
-    let plan = |request: &Request| answer::reply_to(request, &caps);
     let mut checked = Vec::new();
     for path in check::find(paths)? {
         let bar = progress(&path);
+        // A file has the free spaces that its requests name.
+        let mut answerer = Answerer::new(&caps);
+        let plan = |request: &Request| answerer.reply_to(request);
         let file = check::check(&path, tolerance, plan, |at| bar.set_position(at));
         bar.finish_and_clear();
         complain(&path, &file.contents);

@@ -8,7 +8,7 @@ use schemas::message::{
 };
 
 use super::number::digits;
-use super::{Difference, FieldPath, Tolerance, depends_on_load};
+use super::{Difference, FieldPath, Tolerance, is_not_repeatable};
 
 /// `Err` is the first difference.
 type Compared = Result<(), Box<Difference>>;
@@ -158,7 +158,7 @@ impl<'a> Comparer<'a> {
         match (answers, planned_answers) {
             (Ok(recorded), Ok(planned)) => {
                 for (index, (one, other)) in recorded.iter().zip(planned).enumerate() {
-                    if !one.as_ref().is_err_and(depends_on_load) {
+                    if !one.as_ref().is_err_and(is_not_repeatable) {
                         self.answer = Some(index);
                         self.answers(one, other)?;
                     }
