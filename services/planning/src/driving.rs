@@ -1,6 +1,6 @@
 //! Driving a rectangular mobile robot through corridors (section 5).
 //!
-//! The robot's centre follows straight lines and arcs of guiding circles about the corners
+//! The robot's reference point follows straight lines and arcs of guiding circles about the corners
 //! inside the turns (equation 5.1), with its heading tangent to them. The lines are common
 //! tangents of the circles; Table 2 ([`rules`]) names the turn at every corner. What the paper
 //! leaves to trial and error is computed: the clearance that remains ([`drive`]) and the gap
@@ -53,6 +53,8 @@ use crate::free_space::walls::Walls;
 use crate::geometry::{AxisBox, Direction, Vector};
 use crate::motion::{Curve, Leg, wrapped};
 
+pub use crate::motion::Pose;
+
 mod error;
 mod legs;
 pub mod limits;
@@ -68,19 +70,10 @@ pub use safest::safest;
 use rules::TurnRule;
 use taut::Knot;
 
-/// Where the robot is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// Centre of the footprint, metres.
-    pub position: Vector<2>,
-    /// Radians.
-    pub heading: f64,
-}
-
 /// Where the robot is to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// Centre of the footprint, metres.
+    /// Of the reference point, metres.
     pub position: Vector<2>,
     /// Radians; `None`: the heading that it arrives with.
     pub heading: Option<f64>,
@@ -222,7 +215,7 @@ impl DrivingPath {
         &self.leg_clearances
     }
 
-    /// Arc length of the centre's path, metres.
+    /// Arc length of the reference point's path, metres.
     pub fn length(&self) -> f64 {
         self.length
     }

@@ -247,6 +247,15 @@ fn heading_on_arc(angle: f64, sweep: f64, reverse: bool) -> f64 {
     angle + side.factor() * FRAC_PI_2
 }
 
+/// Where the robot is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Of the reference point, metres.
+    pub position: Vector<2>,
+    /// Radians counter-clockwise from +x.
+    pub heading: f64,
+}
+
 /// One piece of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leg<const D: usize> {
@@ -281,9 +290,56 @@ fn reduced(angle: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use crate::geometry::unit;
     use proptest::prelude::*;
+
+    /// Up to `most` curves that follow each other: lines and arcs, forwards or backwards, and
+    /// turns in place.
+    pub(crate) fn motions(most: usize) -> impl Strategy<Value = Vec<Curve<2>>> {
+        let step = (0..4_u8, 0.05..2.5_f64, -PI..PI, any::<bool>());
+        let start = (-1.5..1.5_f64, -1.5..1.5_f64, -PI..PI);
+        (prop::collection::vec(step, 1..=most), start).prop_map(|(steps, (x, y, heading))| {
+            let (mut at, mut heading) = (Vector::from([x, y]), heading);
+            let mut curves = Vec::new();
+            for (kind, size, angle, reverse) in steps {
+                let curve = match kind {
+                    0 => {
+                        let to = at + unit(heading) * if reverse { -size } else { size };
+                        Curve::Line { from: at, to, heading, turned: 0.0 }
+                    }
+                    1 => Curve::Turn { position: at, from_heading: heading, sweep: angle },
+                    _ => {
+                        // Backwards, a left turn has its centre on the right.
+                        let left = (angle > 0.0) != reverse;
+                        let out = heading - if left { FRAC_PI_2 } else { -FRAC_PI_2 };
+                        Curve::Arc {
+                            center: at - unit(out) * size,
+                            radius: size,
+                            start_angle: wrapped(out),
+                            sweep: angle,
+                            reverse,
+                        }
+                    }
+                };
+                (at, heading) = (curve.end(), curve.end_heading());
+                curves.push(curve);
+            }
+            curves
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn curves_follow_each_other(curves in motions(6)) {
+            for pair in curves.windows(2) {
+                prop_assert!((pair[0].end() - pair[1].start()).norm() < 1e-14);
+                let turn = wrapped(pair[0].end_heading() - pair[1].start_heading());
+                prop_assert!(turn.abs() < 1e-14);
+            }
+        }
+    }
 
     #[test]
     fn headings_are_in_the_half_open_turn() {

@@ -14,8 +14,12 @@ use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::motion::Curve;
 
+pub use free::{BINDING_TOLERANCE, FREE_TURNING_WHILE_MOVING_BOUND, free_clearance};
+
 use segment::Rectangle;
 
+mod along_wall;
+mod free;
 mod moving;
 mod segment;
 mod slide;

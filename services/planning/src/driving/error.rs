@@ -9,7 +9,7 @@ use crate::geometry::{AxisBox, Vector};
 /// order; metres and radians.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum DrivingError {
-    /// The robot's centre is not in the first channel.
+    /// The robot's reference point is not in the first channel.
     #[error(
         "the robot starts at ({:.4}, {:.4}), outside the first corridor, which runs from ({:.4}, {:.4}) to ({:.4}, {:.4})",
         position.x, position.y, channel.min().x, channel.min().y, channel.max().x, channel.max().y

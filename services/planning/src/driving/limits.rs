@@ -1,13 +1,20 @@
 //! Closed forms for one turn of the rectangular robot (derived in `docs/method.md` 6):
 //! what a corridor's width allows.
+//!
+//! On a turn about a corner the outer rear corner of the body comes closest to the outer wall
+//! of the corridor that the robot leaves, the outer front corner to that of the corridor that
+//! it enters. The public functions take the one of the two that is farther from the
+//! reference point, and so hold for both corridors.
 
+use std::cmp::Ordering;
+
+use super::Corner;
 use crate::clearance::rectangle::Footprint;
 
-/// Radius of the circle about the corner on which the robot's outer body corners
-/// run, metres: R(gap) = sqrt((w + gap)^2 + h^2 / 4).
+/// Radius of the circle about the corner on which the robot's farther outer body corner
+/// runs, metres: R(gap) = sqrt((w + gap)^2 + e^2), e being the greater of front and rear.
 pub fn outer_radius(footprint: &Footprint, gap: f64) -> f64 {
-    let (across, along) = (footprint.width() + gap, footprint.length() / 2.0);
-    (across * across + along * along).sqrt()
+    TurnRoom::of(footprint, f64::INFINITY).outer_radius(gap)
 }
 
 /// Width that a corridor must exceed for a quarter turn, metres: R(0).
@@ -18,8 +25,7 @@ pub fn least_width(footprint: &Footprint) -> f64 {
 /// The gap at which the robot touches the outer wall of a corridor of this width in a quarter
 /// turn, metres: R(gap) = width. Not positive if no gap is possible.
 pub fn greatest_gap(footprint: &Footprint, width: f64) -> f64 {
-    let along = footprint.length() / 2.0;
-    ((width - along) * (width + along)).max(0.0).sqrt() - footprint.width()
+    TurnRoom::of(footprint, width).greatest_gap()
 }
 
 /// The gap that leaves as much to the outer wall of a corridor of this width as to the corner,
@@ -38,6 +44,62 @@ pub fn greatest_gap(footprint: &Footprint, width: f64) -> f64 {
 /// # Ok::<(), planning::clearance::rectangle::FootprintError>(())
 /// ```
 pub fn balanced_gap(footprint: &Footprint, width: f64) -> f64 {
-    let (w, h) = (footprint.width(), footprint.length());
-    (width * width - w * w - h * h / 4.0) / (2.0 * (width + w))
+    TurnRoom::of(footprint, width).balanced_gap()
+}
+
+/// A corridor at a corner, and the outer corner of the body that swings towards its outer
+/// wall.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TurnRoom {
+    /// Width of the corridor, metres.
+    pub(super) width: f64,
+    /// Width of the body, metres.
+    across: f64,
+    /// How far ahead of the reference point, or behind it, the body corner is, metres.
+    along: f64,
+}
+
+impl TurnRoom {
+    fn of(footprint: &Footprint, width: f64) -> Self {
+        let along = footprint.front().max(footprint.rear());
+        Self { width, across: footprint.width(), along }
+    }
+
+    /// The corridors that the robot leaves and enters at a corner, the one with less room
+    /// first.
+    pub(super) fn at(footprint: &Footprint, corner: &Corner) -> [Self; 2] {
+        let across = footprint.width();
+        let leaves = Self { width: corner.width_in, across, along: footprint.rear() };
+        let enters = Self { width: corner.width_out, across, along: footprint.front() };
+        if leaves.compare(&enters).is_le() { [leaves, enters] } else { [enters, leaves] }
+    }
+
+    /// Which leaves the smaller gap. The same body corner needs no arithmetic, which could
+    /// round the difference away.
+    pub(super) fn compare(&self, other: &Self) -> Ordering {
+        if self.along == other.along {
+            self.width.total_cmp(&other.width)
+        } else {
+            self.balanced_gap().total_cmp(&other.balanced_gap())
+        }
+    }
+
+    fn outer_radius(&self, gap: f64) -> f64 {
+        let (across, along) = (self.across + gap, self.along);
+        (across * across + along * along).sqrt()
+    }
+
+    pub(super) fn least_width(&self) -> f64 {
+        self.outer_radius(0.0)
+    }
+
+    pub(super) fn greatest_gap(&self) -> f64 {
+        let (width, along) = (self.width, self.along);
+        ((width - along) * (width + along)).max(0.0).sqrt() - self.across
+    }
+
+    pub(super) fn balanced_gap(&self) -> f64 {
+        let Self { width, across, along } = *self;
+        (width * width - across * across - along * along) / (2.0 * (width + across))
+    }
 }

@@ -1,6 +1,6 @@
 //! Finds out why a robot cannot be driven as asked, and which numbers would do.
 
-use super::limits::{greatest_gap, least_width};
+use super::limits::TurnRoom;
 use super::{CONTACT, CornerGaps, Drive, DrivingError};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::{Met, clearance_rectangle_pose};
@@ -66,8 +66,17 @@ pub(super) fn check_gaps(drive: &Drive<'_>, gaps: &CornerGaps<'_>) -> Result<(),
 }
 
 fn gap_out_of_range(drive: &Drive<'_>, corner: usize, gap: f64) -> DrivingError {
-    let most = greatest_gap(&drive.footprint, drive.corners[corner].width()).max(0.0);
+    let most = greatest_gap(&rooms(drive, corner)).max(0.0);
     DrivingError::GapOutOfRange { corner, gap, least: 0.0, most }
+}
+
+fn rooms(drive: &Drive<'_>, corner: usize) -> [TurnRoom; 2] {
+    TurnRoom::at(&drive.footprint, &drive.corners[corner])
+}
+
+/// The gap at which the robot touches the outer wall of the corridor with less room, metres.
+fn greatest_gap(rooms: &[TurnRoom; 2]) -> f64 {
+    rooms[0].greatest_gap().min(rooms[1].greatest_gap())
 }
 
 /// Why the robot touches a wall on leg `index`.
@@ -98,12 +107,12 @@ pub(super) fn contact(
         let leg = legs.get(index)?;
         leg.junction.filter(|_| matches!(leg.curve, Curve::Arc { .. }))
     }) {
-        let has = drive.corners[corner].width();
-        let needs = least_width(&drive.footprint);
-        if has <= needs {
+        let rooms = rooms(drive, corner);
+        if let Some(room) = rooms.iter().find(|room| room.width <= room.least_width()) {
+            let (has, needs) = (room.width, room.least_width());
             return Ok(DrivingError::CornerTooNarrow { corner, has, needs });
         }
-        if gaps.at(corner) >= greatest_gap(&drive.footprint, has) {
+        if gaps.at(corner) >= greatest_gap(&rooms) {
             return Ok(gap_out_of_range(drive, corner, gaps.at(corner)));
         }
     }

@@ -2,8 +2,8 @@
 
 use crate::budget::{Budget, Spent};
 
-use super::limits::{balanced_gap, least_width};
-use super::{CornerGaps, Drive, DrivingError, DrivingPath, drive};
+use super::limits::TurnRoom;
+use super::{Corner, CornerGaps, Drive, DrivingError, DrivingPath, drive};
 
 /// Precision of the safest gap if it has no closed form, metres.
 const PRECISION: f64 = 1e-10;
@@ -21,7 +21,7 @@ const RATIO: f64 = 0.75;
 /// last leaving point, metres; 0 without corners. `path` is left with its path.
 ///
 /// If the measured clearance is the gap that leaves as much to the outer wall as to the corner
-/// of the narrowest corridor ([`balanced_gap`]), and a larger gap leaves less, it is that gap.
+/// of the narrowest corridor ([`balanced_gap`](super::limits::balanced_gap)), and a larger gap leaves less, it is that gap.
 /// Otherwise (corners interact, the walls are not those of the corridors, or start and goal
 /// allow less) the measured clearance is maximised to 1e-9 m among the gaps whose guiding
 /// circles do not reach beyond the narrowest corridor. In overlapping corridors a gap may lead
@@ -31,14 +31,12 @@ pub fn safest(
     path: &mut DrivingPath,
     budget: &Budget<'_>,
 ) -> Result<f64, DrivingError> {
-    let narrowest = (0..task.corners.len())
-        .min_by(|&a, &b| task.corners[a].width().total_cmp(&task.corners[b].width()));
-    let Some(narrowest) = narrowest else {
+    let rooms = task.corners.iter().map(|corner| TurnRoom::at(&task.footprint, corner)[0]);
+    let Some((narrowest, room)) = rooms.enumerate().min_by(|(_, a), (_, b)| a.compare(b)) else {
         drive(task, CornerGaps::Uniform(0.0), path, budget)?;
         return Ok(0.0);
     };
-    let width = task.corners[narrowest].width();
-    let balanced = balanced_gap(&task.footprint, width);
+    let balanced = room.balanced_gap();
     let mut turning = |gap: f64| -> Trial {
         match drive(task, CornerGaps::Uniform(gap), path, budget) {
             Ok(()) => Ok(Ok(path.turning.map_or(f64::INFINITY, |turning| turning.value))),
@@ -49,10 +47,11 @@ pub fn safest(
     if is_peak(&mut turning, balanced)? {
         return Ok(balanced);
     }
+    let width = task.corners.iter().map(Corner::width).fold(f64::INFINITY, f64::min);
     let most = width - task.footprint.width() / 2.0;
     if most <= 0.0 {
-        let needs = least_width(&task.footprint);
-        return Err(DrivingError::CornerTooNarrow { corner: narrowest, has: width, needs });
+        let (has, needs) = (room.width, room.least_width());
+        return Err(DrivingError::CornerTooNarrow { corner: narrowest, has, needs });
     }
     let found = maximise(&mut turning, most)?;
     drive(task, CornerGaps::Uniform(found), path, budget)?;

@@ -7,6 +7,8 @@ use crate::motion::{Curve, Leg, wrapped};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+mod reverse;
+
 fn leg<const D: usize>(curve: Curve<D>) -> Leg<D> {
     Leg { curve, junction: None, rule: None, rung: None }
 }

@@ -1,6 +1,7 @@
 //! A body that turns while it moves on a line, as the paper's robot does on the way to the
 //! first arriving point.
 
+use super::along_wall::PlacedRectangle;
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TURNING_WHILE_MOVING_BOUND};
 use crate::budget::{Budget, Spent};
@@ -76,6 +77,20 @@ impl Moving {
         (self.from.inf(&to) - extent, self.from.sup(&to) + extent)
     }
 
+    /// The body at this progress.
+    pub(super) fn body_at(&self, progress: f64) -> PlacedRectangle {
+        PlacedRectangle {
+            origin: self.from + self.travel * progress,
+            heading: unit(self.start_heading + self.turned * progress),
+            shape: self.body,
+        }
+    }
+
+    /// The most of a second derivative of a point of the body by the progress, metres.
+    pub(super) fn bend(&self) -> f64 {
+        self.reach * self.turned * self.turned
+    }
+
     pub(super) fn meet(
         &self,
         wall: &Wall<2>,
@@ -109,8 +124,8 @@ impl Moving {
         budget.step(STEPS_PER_PART)?;
         let enough = met.value - bend.bound;
         let part = b.progress - a.progress;
-        let speed = self.length + self.reach * self.turned.abs();
         let first_touch_is_known = met.value == 0.0 && met.along <= a.progress;
+        let speed = self.length + self.reach * self.turned.abs();
         if first_touch_is_known || (a.distance + b.distance - speed * part) / 2.0 >= enough {
             return Ok(());
         }

@@ -1,5 +1,6 @@
 //! A body that slides along its heading: the swept set is a longer rectangle.
 
+use super::along_wall::PlacedRectangle;
 use super::segment::{Rectangle, Segment};
 use super::{Footprint, Met, TIE};
 use crate::free_space::walls::Wall;
@@ -49,6 +50,11 @@ impl Slide {
     /// A box around the swept set.
     pub(super) fn bounds(&self) -> (Vector<2>, Vector<2>) {
         bounds(&(self.from + self.heading * self.swept.center.x), &self.heading, &self.swept.half)
+    }
+
+    /// The swept set.
+    pub(super) fn swept(&self) -> PlacedRectangle {
+        PlacedRectangle { origin: self.from, heading: self.heading, shape: self.swept }
     }
 
     pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {

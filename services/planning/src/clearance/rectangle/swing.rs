@@ -3,6 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::along_wall::{NearShape, PlacedRectangle, Sector};
 use super::segment::{Rectangle, Segment};
 use super::slide::bounds;
 use super::{Footprint, Met, TIE};
@@ -103,6 +104,37 @@ impl Swing {
         let bulge = self.outer * (1.0 - self.half.x);
         let bulge = Vector::<2>::new(bulge, bulge);
         (ends[0].0.inf(&ends[1].0) - bulge, ends[0].1.sup(&ends[1].1) + bulge)
+    }
+
+    /// What a wall point outside the body comes close to: the body at both ends, the circle of
+    /// a corner, the circle inside.
+    pub(super) fn shapes(&self) -> [NearShape; 7] {
+        let placed = |turn: Vector<2>| {
+            let heading = rotated(&self.middle, &turn);
+            NearShape::Rectangle(
+                PlacedRectangle { origin: self.center, heading, shape: self.body },
+                0.0,
+            )
+        };
+        let to_end = Vector::<2>::new(self.half.x, self.sense.factor() * self.half.y);
+        let sector =
+            |middle: Vector<2>| Sector { middle: rotated(&middle, &self.middle), half: self.half };
+        let corner = |index: usize| {
+            let (corner, radius) = (self.corners[index], self.radii[index]);
+            // A corner in the centre has no direction, and does not move.
+            let sector = sector(if radius > 0.0 { corner / radius } else { Vector::zeros() });
+            NearShape::Outside(self.center, radius, sector)
+        };
+        let side = Vector::<2>::new(0.0, Sign::of(self.body.center.y).factor());
+        [
+            placed(Vector::<2>::new(to_end.x, -to_end.y)),
+            placed(to_end),
+            corner(0),
+            corner(1),
+            corner(2),
+            corner(3),
+            NearShape::Inside(self.center, self.inner, sector(side)),
+        ]
     }
 
     pub(super) fn meet(&self, wall: &Wall<2>, met: &mut Met) {

@@ -13,11 +13,11 @@ use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::motion::Curve;
 
-fn point(x: f64, y: f64) -> Vector<2> {
+pub(super) fn point(x: f64, y: f64) -> Vector<2> {
     Vector::<2>::new(x, y)
 }
 
-fn walls(segments: &[[f64; 4]]) -> Walls<2> {
+pub(super) fn walls(segments: &[[f64; 4]]) -> Walls<2> {
     let mut walls = Walls::default();
     for &[ax, ay, bx, by] in segments {
         walls.push(Wall { from: point(ax, ay), to: point(bx, by) });
@@ -184,7 +184,7 @@ fn turning_while_moving_ends_at_any_size() {
     }
 }
 
-fn footprints() -> impl Strategy<Value = Footprint> {
+pub(super) fn footprints() -> impl Strategy<Value = Footprint> {
     let centred =
         (0.1..2.0, 0.1..3.0).prop_map(|(width, length)| Footprint::new(width, length).unwrap());
     let reach = || prop_oneof![1 => Just(0.0), 4 => 0.05..2.0];
@@ -194,7 +194,7 @@ fn footprints() -> impl Strategy<Value = Footprint> {
     prop_oneof![centred, offset]
 }
 
-fn scenes() -> impl Strategy<Value = Walls<2>> {
+pub(super) fn scenes() -> impl Strategy<Value = Walls<2>> {
     let free = (-4.0..4.0, -4.0..4.0, -3.0..3.0, -3.0..3.0)
         .prop_map(|(x, y, dx, dy)| [x, y, x + dx, y + dy]);
     let level = (-4.0..4.0, -4.0..4.0, -3.0..3.0).prop_map(|(x, y, dx)| [x, y, x + dx, y]);
@@ -342,4 +342,76 @@ fn outer_wall_is_approached_on_the_outer_circle() {
     let curve = arc(point(0.0, 0.0), 1.5, PI, -FRAC_PI_2);
     let met = check_curve(&robot(), &curve, &walls(&[[-3.0, -9.0, -3.0, 3.0]]));
     assert!((met.value - (3.0 - libm::hypot(2.0, 0.75))).abs() < 1e-15);
+}
+
+/// 1 m wide, reaching 1.2 m ahead of its reference point and 0.3 m behind it.
+fn car() -> Footprint {
+    Footprint::offset(1.0, 1.2, 0.3).unwrap()
+}
+
+#[test]
+fn reference_point_off_the_middle_is_within_the_rectangle() {
+    assert_eq!((car().length(), car().front(), car().rear()), (1.5, 1.2, 0.3));
+    assert_eq!(car().swing_radius(), libm::hypot(1.2, 0.5));
+    assert_eq!(Footprint::offset(1.0, 0.75, 0.75), Ok(robot()));
+    for [width, front, rear] in [
+        [0.0, 1.0, 1.0],
+        [1.0, -0.1, 1.0],
+        [1.0, 1.0, -0.1],
+        [1.0, 0.0, 0.0],
+        [1.0, f64::NAN, 1.0],
+        [1.0, f64::MAX, f64::MAX],
+    ] {
+        let error = Footprint::offset(width, front, rear).unwrap_err();
+        assert!(error.to_string().contains(&format!("front {front} m")), "{error}");
+    }
+}
+
+#[test]
+fn turn_about_an_axle_is_closest_at_each_corner_in_turn() {
+    let curve = Curve::Turn { position: point(0.0, 0.0), from_heading: 0.0, sweep: FRAC_PI_2 };
+    let met = check_curve(&car(), &curve, &walls(&[[-5.0, 2.0, 5.0, 2.0]]));
+    assert!((met.value - (2.0 - libm::hypot(1.2, 0.5))).abs() < 1e-15);
+    assert!((met.along - (1.0 - libm::atan2(0.5, 1.2) / FRAC_PI_2)).abs() < 1e-12);
+    // The right rear corner passes below.
+    let met = check_curve(&car(), &curve, &walls(&[[-5.0, -2.0, 5.0, -2.0]]));
+    assert!((met.value - (2.0 - libm::hypot(0.3, 0.5))).abs() < 1e-15);
+    assert!((met.along - libm::atan2(0.3, 0.5) / FRAC_PI_2).abs() < 1e-12);
+}
+
+#[test]
+fn tail_swings_to_the_wall_behind_and_front_to_the_wall_ahead() {
+    // A right turn about the origin, from heading up to heading right.
+    let (left, top) = ([-3.0, -9.0, -3.0, 9.0], [-9.0, 3.0, 9.0, 3.0]);
+    let forwards = arc(point(0.0, 0.0), 1.5, PI, -FRAC_PI_2);
+    let Curve::Arc { center, radius, start_angle, sweep, .. } = forwards else { unreachable!() };
+    let backwards = Curve::Arc { center, radius, start_angle, sweep, reverse: true };
+    for (curve, behind, ahead) in [(forwards, 0.3, 1.2), (backwards, 1.2, 0.3)] {
+        let met = check_curve(&car(), &curve, &walls(&[left]));
+        assert!((met.value - (3.0 - libm::hypot(2.0, behind))).abs() < 1e-15, "{met:?}");
+        let met = check_curve(&car(), &curve, &walls(&[top]));
+        assert!((met.value - (3.0 - libm::hypot(2.0, ahead))).abs() < 1e-15, "{met:?}");
+    }
+}
+
+#[test]
+fn line_backwards_is_met_by_the_rear() {
+    let curve =
+        Curve::Line { from: point(0.0, 0.0), to: point(-10.0, 0.0), heading: 0.0, turned: 0.0 };
+    let met = check_curve(&car(), &curve, &walls(&[[-5.0, -3.0, -5.0, 3.0]]));
+    assert!(met.value == 0.0 && (met.along - 0.47).abs() < 1e-15, "{met:?}");
+    // A wall beside the way is met where it begins.
+    let met = check_curve(&car(), &curve, &walls(&[[-4.0, 0.75, -9.0, 0.75]]));
+    assert_eq!((met.value, met.along, met.wall), (0.25, 0.37, point(-4.0, 0.75)));
+}
+
+#[test]
+fn corner_in_the_centre_of_the_turn_stays() {
+    // The left rear corner is the centre: the body sweeps what is ahead of it.
+    let footprint = Footprint::offset(1.0, 1.0, 0.0).unwrap();
+    let curve = arc(point(0.0, 0.0), 0.5, 0.0, FRAC_PI_2);
+    let met = check_curve(&footprint, &curve, &walls(&[[-0.1, -0.1, -0.1, -0.1]]));
+    assert!((met.value - 0.1).abs() < 1e-15);
+    let met = check_curve(&footprint, &curve, &walls(&[[0.3, -0.2, 0.3, -0.2]]));
+    assert!((met.value - 0.2).abs() < 1e-15);
 }

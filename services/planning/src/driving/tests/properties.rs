@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;
 
-use super::scene::{Scene, corridors};
+use super::scene::{Scene, corridors, robots};
 use crate::budget::Budget;
 use crate::clearance::rectangle::tests::{check_densely, pose};
 use crate::driving::{Corner, CornerGaps, DrivingPath, StartTurn, drive};
@@ -13,11 +13,12 @@ use crate::motion::Curve;
 
 /// All corners of the footprint, at many placements, lie in channels.
 fn check_in_free_space(scene: &Scene, curve: &Curve<2>) {
-    let (a, b) = (scene.footprint.length() / 2.0, scene.footprint.width() / 2.0);
+    let footprint = &scene.footprint;
+    let (front, rear, b) = (footprint.front(), footprint.rear(), footprint.width() / 2.0);
     for index in 0..=40 {
         let (x, y, heading) = pose(curve, f64::from(index) / 40.0);
         let (sin, cos) = (libm::sin(heading), libm::cos(heading));
-        for (ahead, left) in [(a, b), (a, -b), (-a, b), (-a, -b), (0.0, 0.0)] {
+        for (ahead, left) in [(front, b), (front, -b), (-rear, b), (-rear, -b), (0.0, 0.0)] {
             let (x, y) = (x + ahead * cos - left * sin, y + ahead * sin + left * cos);
             let inside = scene.channels.iter().any(|channel| {
                 let (min, max) = (channel.min(), channel.max());
@@ -65,8 +66,13 @@ proptest! {
         let (first, last) = (&scene.corners[0], scene.corners.last().unwrap());
         let arriving = first.rule.arriving_angle(&scene.start.position, &first.point, rho);
         let leaving = last.rule.leaving_angle(&last.point, &scene.goal.position, rho);
-        let (sin, cos) = libm::sincos(arriving.min(leaving).min(0.0));
-        let least = gap * cos + scene.footprint.length() / 2.0 * sin;
+        // The rear as it arrives, the front as it leaves.
+        let sides = [(arriving, scene.footprint.rear()), (leaving, scene.footprint.front())];
+        let least = sides.map(|(angle, along)| {
+            let (sin, cos) = libm::sincos(angle.min(0.0));
+            gap * cos + along * sin
+        });
+        let least = least[0].min(least[1]);
         let turning = path.turning().unwrap().value;
         prop_assert!(turning >= least - 1e-9, "{turning} is less than {least}");
     }
@@ -101,7 +107,7 @@ proptest! {
     /// docs/method.md 6.2: the closed forms of a single turn, where its angles are small.
     #[test]
     fn single_turn_obeys_the_closed_forms(
-        robot in (0.4..1.2, 0.4..2.0, 0.3..2.5),
+        robot in (robots(), 0.3..2.5),
         part in 0.05..0.99,
     ) {
         use crate::driving::limits::{greatest_gap, outer_radius};
@@ -121,7 +127,6 @@ proptest! {
     /// cross and so lack walls.
     #[test]
     fn corridors_obey_the_closed_form(scene in corridors(20), part in 0.05..1.6) {
-        use crate::driving::limits::outer_radius;
         let gap = part * scene.balanced();
         let mut path = DrivingPath::default();
         if drive(&scene.drive(), CornerGaps::Uniform(gap), &mut path, &Budget::default()).is_err() {
@@ -136,8 +141,9 @@ proptest! {
             })
             .collect();
         prop_assume!(arcs.len() == scene.corners.len());
-        let (across, along) = (scene.footprint.width() + gap, scene.footprint.length() / 2.0);
-        let (outer, lead) = (outer_radius(&scene.footprint, gap), libm::atan2(along, across));
+        // The outer rear corner in the corridor that it leaves, the front one in the next.
+        let across = scene.footprint.width() + gap;
+        let reaches = [scene.footprint.rear(), scene.footprint.front()];
         let crossing = scene.channels.iter().enumerate().any(|(index, channel)| {
             let mut later = scene.channels.iter().skip(index + 2);
             later.any(|other| channel.intersection(other).is_some())
@@ -150,7 +156,9 @@ proptest! {
             };
             let (approach, leave) = (corner.rule.approach, corner.rule.leave);
             let angles = [angle(0.0, approach, leave), angle(sweep, leave, approach)];
-            for (width, theta) in [corner.width_in, corner.width_out].into_iter().zip(angles) {
+            let widths = [corner.width_in, corner.width_out];
+            for ((width, theta), along) in widths.into_iter().zip(angles).zip(reaches) {
+                let (outer, lead) = (libm::hypot(across, along), libm::atan2(along, across));
                 wanted = wanted.min(width - outer * libm::cos((theta - lead).max(0.0)));
                 let (sin, cos) = libm::sincos(theta.min(0.0));
                 wanted = wanted.min(gap * cos + along * sin);

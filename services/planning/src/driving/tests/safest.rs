@@ -3,7 +3,7 @@
 use crate::budget::Budget;
 use proptest::prelude::*;
 
-use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_ell};
+use super::scene::{Scene, approached_at, corridor_a, corridors, point, robots, straight_ell};
 use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
 use crate::driving::{CornerGaps, DrivingError, DrivingPath, drive, safest};
 use crate::free_space::walls::Wall;
@@ -119,7 +119,7 @@ proptest! {
     }
 
     #[test]
-    fn single_turn_is_safest_with_the_balanced_gap(robot in (0.4..1.2, 0.4..2.0, 0.3..2.5)) {
+    fn single_turn_is_safest_with_the_balanced_gap(robot in (robots(), 0.3..2.5)) {
         let scene = straight_ell(robot);
         let gap = scene.balanced();
         let scene = approached_at(scene, gap);

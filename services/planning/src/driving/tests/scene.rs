@@ -4,7 +4,7 @@ use crate::budget::Budget;
 use proptest::prelude::*;
 
 use crate::clearance::rectangle::Footprint;
-use crate::driving::limits::{balanced_gap, least_width};
+use crate::driving::limits::{TurnRoom, least_width};
 use crate::driving::{Corner, Drive, Goal, Pose, StartTurn, corners_of};
 use crate::free_space::walls::{Complement, Walls};
 use crate::free_space::{Chain, End};
@@ -55,8 +55,8 @@ impl Scene {
 
     /// The safest gap of the narrowest corridor in closed form, metres.
     pub(super) fn balanced(&self) -> f64 {
-        let width = self.corners.iter().map(Corner::width).fold(f64::INFINITY, f64::min);
-        balanced_gap(&self.footprint, width)
+        let rooms = self.corners.iter().flat_map(|corner| TurnRoom::at(&self.footprint, corner));
+        rooms.map(|room| room.balanced_gap()).fold(f64::INFINITY, f64::min)
     }
 
     pub(super) fn drive(&self) -> Drive<'_> {
@@ -141,17 +141,27 @@ fn image(
 /// is beyond what the robot needs, and how far it goes on beyond that.
 type Stretch = (bool, f64, f64, f64);
 
+/// Robots with the reference point in the middle, and anywhere from front to rear.
+pub(super) fn robots() -> impl Strategy<Value = Footprint> {
+    let middle =
+        (0.4..1.2, 0.4..2.0).prop_map(|(width, length)| Footprint::new(width, length).unwrap());
+    let reach = || prop_oneof![1 => Just(0.0), 4 => 0.2..1.0];
+    let offset = (0.4..1.2, reach(), reach())
+        .prop_filter("a length", |(_, front, rear)| front + rear > 0.0)
+        .prop_map(|(width, front, rear)| Footprint::offset(width, front, rear).unwrap());
+    prop_oneof![middle, offset]
+}
+
 /// Random chains of 1 to `most` corners, S-turns and U-turns, with a random robot
 /// that can pass them, starting and ending near the centre lines.
 pub(super) fn corridors(most: usize) -> impl Strategy<Value = Scene> {
     let stretch = (any::<bool>(), 0.2..6.0, 0.3..2.5, prop_oneof![Just(0.0), 0.0..3.0]);
     (
         prop::collection::vec(stretch, 1..=most),
-        (0.4..1.2, 0.4..2.0, 0.3..2.5),
+        (robots(), 0.3..2.5),
         (-0.25..0.25, -0.25..0.25, -0.05..0.05),
     )
-        .prop_map(|(stretches, (width, length, room), offsets)| {
-            let footprint = Footprint::new(width, length).unwrap();
+        .prop_map(|(stretches, (footprint, room), offsets)| {
             chain(&stretches, footprint, room, offsets)
         })
 }
@@ -208,10 +218,8 @@ fn chain(
     scene
 }
 
-/// An L corridor of one width for a robot `(width, length)` with `room` more than
-/// it needs to turn.
-pub(super) fn straight_ell((width, length, room): (f64, f64, f64)) -> Scene {
-    let footprint = Footprint::new(width, length).unwrap();
+/// An L corridor of one width for a robot with `room` more than it needs to turn.
+pub(super) fn straight_ell((footprint, room): (Footprint, f64)) -> Scene {
     let wide = least_width(&footprint) + room;
     let mut scene = Scene::new(
         &[channel([0.0, wide], [0.0, 20.0 + wide]), channel([0.0, 30.0], [20.0, 20.0 + wide])],
