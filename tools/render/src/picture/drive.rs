@@ -15,6 +15,9 @@ use super::world::{Point, point};
 /// The most guiding circles that are drawn.
 const MOST_CIRCLES: usize = 120;
 
+/// A robot of fewer pixels than this gets a ring.
+const SMALL: f64 = 10.0;
+
 /// The robot at the start, at the goal and on the way.
 pub(super) fn draw(
     out: &mut String,
@@ -32,6 +35,13 @@ pub(super) fn draw(
         if tick {
             let [[x0, y0], [x1, y1]] = [corners[0], corners[3]].map(|p| plot.pixel(p).map(Px));
             _ = write!(out, r#"<path d="M{x0} {y0}L{x1} {y1}" stroke-width="3"/>"#);
+        }
+    };
+    // In a large building a ring shows where the robot is.
+    let small = |out: &mut String, placement: &Placement| {
+        if width.max(length) * plot.scale < SMALL {
+            let [x, y] = plot.pixel(placement.position).map(Px);
+            _ = write!(out, r#"<circle cx="{x}" cy="{y}" r="7" fill="none"/>"#);
         }
     };
     let (blue, green) = (style::BODY, style::GOAL);
@@ -75,6 +85,7 @@ pub(super) fn draw(
             style::BODY_FILL
         );
         rectangle(out, start, true);
+        small(out, start);
         out.push_str("</g>");
     }
     if let Some((goal, heading_known)) = &goal {
@@ -84,7 +95,10 @@ pub(super) fn draw(
             style::GOAL_FILL
         );
         match heading_known {
-            true => rectangle(out, goal, true),
+            true => {
+                rectangle(out, goal, true);
+                small(out, goal);
+            }
             false => {
                 let [x, y] = plot.pixel(goal.position).map(Px);
                 let r = Px(width.min(length) / 2.0 * plot.scale);
@@ -96,6 +110,11 @@ pub(super) fn draw(
     let (Some(answer), Some(motion)) = (answer, &motion) else { return };
     let still = [0.0; 3];
     plot.path(out, motion, still);
+    for stretch in motion.reversed() {
+        let look = format!(r#"stroke="{}" stroke-width="2.6""#, style::REVERSE);
+        plot.path_in(out, &stretch, still, ["reverse", &look]);
+    }
+    turns(out, plot, motion, width);
     let mut busy: Vec<Pixel> = dots(out, plot, motion, still);
     let clearance = &answer.clearance;
     if let (true, Some(placement)) = (clearance.value.is_finite(), motion.placement(clearance.at)) {
@@ -134,6 +153,40 @@ fn circles(out: &mut String, plot: &Plot, motion: &Course) {
     for (center, _) in thinned(&arcs, MOST_CIRCLES) {
         let [x, y] = plot.pixel(*center).map(Px);
         _ = write!(out, r#"<circle cx="{x}" cy="{y}" r="1.8"/>"#);
+    }
+    out.push_str("</g>");
+}
+
+/// The most turns in place that are marked.
+const MOST_TURNS: usize = 60;
+
+/// Arrows about the places where the robot turns.
+fn turns(out: &mut String, plot: &Plot, motion: &Course, width: f64) {
+    let turns: Vec<(Point, f64, f64)> = motion.turns().collect();
+    if turns.is_empty() {
+        return;
+    }
+    let color = style::TURN;
+    _ = write!(out, r#"<g class="turns" fill="none" stroke="{color}" stroke-width="1.8">"#);
+    let r = (0.4 * width * plot.scale).clamp(7.0, 18.0);
+    for (position, from, sweep) in thinned(&turns, MOST_TURNS) {
+        let [x, y] = plot.pixel(*position);
+        let sweep = sweep.clamp(-6.0, 6.0);
+        let at =
+            |heading: f64, r: f64| [x + r * libm::cos(heading), y - r * libm::sin(heading)].map(Px);
+        let ([x0, y0], [x1, y1]) = (at(*from, r), at(from + sweep, r));
+        let large = u8::from(sweep.abs() > std::f64::consts::PI);
+        let left = u8::from(sweep < 0.0);
+        _ = write!(out, r#"<path d="M{x0} {y0}A{r} {r} 0 {large} {left} {x1} {y1}"/>"#, r = Px(r));
+        // The tip leads on along the circle.
+        let along = sweep.signum() * 5.0 / r;
+        let tip =
+            [at(from + sweep, r - 3.2), at(from + sweep + along, r), at(from + sweep, r + 3.2)];
+        let [[ax, ay], [bx, by], [cx, cy]] = tip;
+        _ = write!(
+            out,
+            r#"<path d="M{ax} {ay}L{bx} {by}L{cx} {cy}Z" fill="{color}" stroke="none"/>"#
+        );
     }
     out.push_str("</g>");
 }

@@ -7,22 +7,25 @@ use schemas::message::{Curve, Trajectory, Vector};
 use super::world::{Point, point};
 
 /// The curves of a motion with their lengths.
-pub(super) struct Course {
+pub struct Course {
     curves: Vec<(Curve, f64)>,
 }
 
 /// The reference point's position (in assembly tasks, the displacement), and the heading.
-#[derive(Clone, Copy)]
-pub(super) struct Placement {
-    pub(super) position: Point,
-    pub(super) heading: f64,
+#[derive(Debug, Clone, Copy)]
+pub struct Placement {
+    /// Metres; unused coordinates are 0.
+    pub position: [f64; 3],
+    /// Radians.
+    pub heading: f64,
 }
 
 /// The most samples that are drawn if there are no legs.
 const MOST_SAMPLES: usize = 2000;
 
 impl Course {
-    pub(super) fn of(answer: &Trajectory) -> Self {
+    /// The course of an answer, from its legs, or its samples if it has none.
+    pub fn of(answer: &Trajectory) -> Self {
         if !answer.legs.is_empty() {
             let curves = answer.legs.iter().map(|leg| (leg.curve, finite(leg.length).max(0.0)));
             return Self { curves: curves.collect() };
@@ -36,6 +39,33 @@ impl Course {
             (Curve::Line { from, to, heading: pair[1].heading, turned: 0.0 }, length)
         };
         Self { curves: samples.windows(2).map(line).collect() }
+    }
+
+    /// The stretches that are driven in reverse.
+    pub(super) fn reversed(&self) -> Vec<Self> {
+        let mut stretches: Vec<Self> = Vec::new();
+        let mut before = false;
+        for (curve, length) in &self.curves {
+            let reverse = is_reverse(curve);
+            if reverse && !before {
+                stretches.push(Self { curves: Vec::new() });
+            }
+            if let (true, Some(stretch)) = (reverse, stretches.last_mut()) {
+                stretch.curves.push((*curve, *length));
+            }
+            before = reverse;
+        }
+        stretches
+    }
+
+    /// The turns in place that can be seen: where, from which heading, and by how much.
+    pub(super) fn turns(&self) -> impl Iterator<Item = (Point, f64, f64)> {
+        self.curves().filter_map(|curve| match curve {
+            Curve::Turn { position, from_heading, sweep, .. } if sweep.abs() > 0.01 => {
+                Some((point(position), finite(*from_heading), finite(*sweep)))
+            }
+            _ => None,
+        })
     }
 
     pub(super) fn curves(&self) -> impl Iterator<Item = &Curve> {
@@ -76,6 +106,21 @@ impl Course {
         }
     }
 
+    /// Placements from the begin to the end, turns in place included: no point up to `reach`
+    /// from the reference point moves further than about `step` from one to the next (metres).
+    pub fn placements(&self, step: f64, reach: f64) -> impl Iterator<Item = Placement> {
+        const MOST: f64 = 1e6;
+        self.curves.iter().flat_map(move |(curve, length)| {
+            let angle = match curve {
+                Curve::Line { turned, .. } => *turned,
+                Curve::Arc { sweep, .. } | Curve::Turn { sweep, .. } => *sweep,
+            };
+            let way = length + finite(angle).abs() * reach;
+            let steps = (way / step).ceil().clamp(1.0, MOST) as u32;
+            (0..=steps).map(move |index| at(curve, f64::from(index) / f64::from(steps)))
+        })
+    }
+
     /// The middle of the longest straight curve and the direction there.
     pub(super) fn longest_line(&self) -> Option<(Point, Point)> {
         let lines = self.curves.iter().filter_map(|(curve, length)| match curve {
@@ -83,6 +128,18 @@ impl Course {
             _ => None,
         });
         lines.max_by(|a, b| a.2.total_cmp(&b.2)).map(|(from, to, _)| (from, to))
+    }
+}
+
+/// Whether the body's heading points away from where it goes as the curve begins.
+fn is_reverse(curve: &Curve) -> bool {
+    match curve {
+        Curve::Line { from, to, heading, turned } => {
+            let (a, b) = (point(from), point(to));
+            let heading = finite(heading - turned);
+            libm::cos(heading) * (b[0] - a[0]) + libm::sin(heading) * (b[1] - a[1]) < 0.0
+        }
+        Curve::Arc { .. } | Curve::Turn { .. } => false,
     }
 }
 

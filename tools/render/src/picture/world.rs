@@ -34,6 +34,8 @@ pub(super) struct World {
     pub(super) solids: Vec<Shape>,
     pub(super) bounds: Option<[Point; 2]>,
     pub(super) mover: Mover,
+    /// Whether it is a floor plan: walls that a robot drives among, without given channels.
+    pub(super) is_floor_plan: bool,
 }
 
 /// Coordinates that can be subtracted and scaled without overflow.
@@ -124,6 +126,9 @@ impl World {
             dimension: if three && scene.task != Task::Drive { 3 } else { 2 },
             channels: space.channels.iter().flatten().map(corners).collect(),
             bounds: space.bounds.as_ref().map(corners),
+            is_floor_plan: scene.task == Task::Drive
+                && space.channels.is_none()
+                && !solids.is_empty(),
             solids,
             mover,
         }
@@ -152,7 +157,7 @@ impl World {
     }
 }
 
-fn solid(solid: &Solid) -> Shape {
+pub(super) fn solid(solid: &Solid) -> Shape {
     match solid {
         Solid::Polygon(vertices) => Shape::Polygon(vertices.iter().map(point).collect()),
         Solid::Box(sides) => Shape::Box(corners(sides)),
