@@ -29,6 +29,9 @@ pub const TIE: f64 = 1e-12;
 /// Every other clearance is exact to rounding.
 pub const TURNING_WHILE_MOVING_BOUND: f64 = 1e-9;
 
+/// Steps of the budget that the motion along one curve takes against one wall.
+const STEPS_PER_WALL: u64 = 5;
+
 /// The rectangle that a mobile robot covers. Poses are those of its reference point, which
 /// lies midway between its sides and anywhere from its front to its rear.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -299,13 +302,13 @@ fn search(
     let mut spent = Ok(());
     walls.near(&min, &max, guess, budget, |_, wall| {
         if spent.is_ok() {
-            spent = meet(wall, &mut met);
+            spent = budget.step(STEPS_PER_WALL).and_then(|()| meet(wall, &mut met));
         }
     })?;
     if met.value > guess {
         met = Met::NOTHING;
         walls.nearest(&min, &max, budget, |_, wall| {
-            spent = meet(wall, &mut met);
+            spent = budget.step(STEPS_PER_WALL).and_then(|()| meet(wall, &mut met));
             if spent.is_ok() { met.value + TIE } else { -1.0 }
         })?;
     }
