@@ -45,8 +45,11 @@ pub(crate) fn passed_over(
         return None;
     }
     let cell = plan.frame().resolution();
-    let [width, length] = [footprint.width / cell, footprint.length / cell];
-    let sides = Sides { front: length / 2.0, rear: length / 2.0, half_width: width / 2.0 };
+    let sides = Sides {
+        front: footprint.front() / cell,
+        rear: footprint.rear() / cell,
+        half_width: footprint.width() / 2.0 / cell,
+    };
     let reach = libm::hypot(sides.front.max(sides.rear), sides.half_width) * cell;
     let (mut passed, mut first) = (BTreeSet::new(), None);
     for answer in answers.iter().flatten() {

@@ -4,6 +4,8 @@ use super::disc::Disc;
 use super::ladder::Planner;
 use super::{Errand, Found, NoMotion, PRECISION};
 use crate::budget::{Budget, Spent};
+use crate::clearance::rectangle::free_clearance;
+use crate::driving::Pose;
 use crate::motion::Curve;
 
 /// Measures the free clearance and finds the bound.
@@ -53,8 +55,11 @@ pub(super) fn measure_free_clearance(
     found: &mut Found,
     budget: &Budget<'_>,
 ) -> Result<(), Spent> {
-    let _ = (errand, budget);
-    // FOR NOW
-    found.free_clearance = found.clearance.map_or(f64::INFINITY, |clearance| clearance.value);
+    let Errand { footprint, start, goal, walls, .. } = errand;
+    // Without a heading at the goal, it is the one with which the robot arrives.
+    let last = found.legs.last().map_or(start.heading, |leg| leg.curve.end_heading());
+    let goal = Pose { position: goal.position, heading: goal.heading.unwrap_or(last) };
+    let free = free_clearance(footprint, &found.legs, walls, &[*start, goal], budget)?;
+    found.free_clearance = free.map_or(f64::INFINITY, |free| free.value);
     Ok(())
 }
