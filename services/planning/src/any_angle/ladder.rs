@@ -232,8 +232,14 @@ fn poses(
         Rung::Aligned => lattice::aligned,
         _ => lattice::search,
     };
-    // With less than the gap only what can't be had with it.
-    for least in [target.gap, 0.0] {
+    // With less than the gap only what can't be had with it; a search takes long.
+    let all = [target.gap, 0.0];
+    let leasts = match (rung, target.least) {
+        (Rung::Aligned, None) => &all[..],
+        (_, None) => &all[1..],
+        (_, Some(_)) => &all[..1],
+    };
+    for least in leasts.iter().copied() {
         let Some(curves) = search(errand, least, &mut planner.lattice, budget)? else { continue };
         let is_reverse = curves.iter().any(Curve::is_reverse);
         let rung = if is_reverse && rung == Rung::Aligned { Rung::Reverse } else { rung };
