@@ -10,7 +10,8 @@ mod coverage;
 mod drive;
 mod free_space;
 mod mark;
-mod motion;
+pub mod motion;
+mod place;
 mod plot;
 mod style;
 mod text;
@@ -18,9 +19,9 @@ mod world;
 
 use std::fmt::Write;
 
-use schemas::message::{Direction, Refusal, Reply, SceneRequest, Task, Trajectory};
+use schemas::message::{Direction, Refusal, Reply, SceneRequest, Solid, Task, Trajectory};
 
-use caption::{CaptionLine, Sign};
+use caption::{CaptionLine, Shown, Sign};
 use free_space::Mouth;
 use motion::Course;
 use plot::Plot;
@@ -44,11 +45,26 @@ struct Panel<'a> {
     content: Result<&'a Trajectory, &'a Refusal>,
 }
 
+/// What a picture shows beyond the scene and its reply.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Look<'a> {
+    /// Channels that the planner made, and junctions, in floor plans.
+    pub mesh: bool,
+    /// Those parts of a floor plan's solids that are solid only because nothing is known there.
+    pub unknown: &'a [Solid],
+}
+
 /// Draws a scene and the reply to it.
 pub fn draw(scene: &SceneRequest, reply: &Reply) -> String {
+    draw_with(scene, reply, Look::default())
+}
+
+/// Draws a scene and the reply to it in a look of its own.
+pub fn draw_with(scene: &SceneRequest, reply: &Reply, look: Look) -> String {
     let panels = panels(reply);
     let world = World::of(scene);
     let region = region(scene, &world, &panels);
+    let shown = shown(scene, &world, &panels, look);
     let wide = region[1][0] - region[0][0] > 2.5 * (region[1][1] - region[0][1]);
     let columns = match (world.dimension, panels.len()) {
         (3, _) | (_, 1) => 1,
@@ -83,8 +99,8 @@ pub fn draw(scene: &SceneRequest, reply: &Reply) -> String {
             let x = SPACE + numbers + column as f64 * (panel_width + SPACE);
             _ = write!(body, r#"<g class="answer" transform="translate({} {})">"#, Px(x), Px(y));
             let upright = column == 0;
-            let views =
-                Views { scene, world: &world, plots: &plots, numbers, upright, plot_height };
+            let (plots, world) = (&plots, &world);
+            let views = Views { scene, world, plots, numbers, upright, plot_height, look };
             views.draw(&mut body, panel, &mut backgrounds);
             for (index, line) in lines.iter().enumerate() {
                 let y = plot_height + 38.0 + index as f64 * LINE;
@@ -96,9 +112,30 @@ pub fn draw(scene: &SceneRequest, reply: &Reply) -> String {
         y += plot_height + 38.0 + lines as f64 * LINE + 10.0;
     }
     let width = SPACE * 2.0 + numbers + panel_width * columns as f64 + SPACE * (columns - 1) as f64;
-    let motion = panels.iter().any(|panel| panel.content.is_ok());
-    y = legend(&mut body, &caption::legend(scene, motion), width, y);
+    y = legend(&mut body, &caption::legend(scene, &shown), width, y);
     finish(scene, reply, panels.len(), &backgrounds, &body, [width, y])
+}
+
+/// What the legend has to explain.
+fn shown(scene: &SceneRequest, world: &World, panels: &[Panel], look: Look) -> Shown {
+    let answers = || panels.iter().filter_map(|panel| panel.content.ok());
+    let motion = answers().next().is_some();
+    let drive = scene.task == Task::Drive;
+    let turns = |answer: &Trajectory| Course::of(answer).turns().next().is_some();
+    let reverse = |answer: &Trajectory| !Course::of(answer).reversed().is_empty();
+    let meshed = answers().any(|answer| !answer.channels.is_empty());
+    let junctions = match world.is_floor_plan {
+        true => look.mesh && meshed,
+        false => motion || scene.free_space.in_order,
+    };
+    Shown {
+        motion,
+        junctions,
+        walls: world.is_floor_plan,
+        unknown: world.is_floor_plan && !look.unknown.is_empty(),
+        turns: drive && answers().any(turns),
+        reverse: drive && answers().any(reverse),
+    }
 }
 
 fn panels(reply: &Reply) -> Vec<Panel<'_>> {
@@ -133,8 +170,8 @@ fn region(scene: &SceneRequest, world: &World, panels: &[Panel]) -> [Point; 2] {
                 motion.way_points().iter().for_each(|placement| reach.add(placement.position));
                 reach.corners().into_iter().for_each(|by| shape.grow(&mut extent, by));
             }
-            Mover::Robot { width, length } => {
-                let reach = drive::reach(&motion, *width, *length);
+            Mover::Robot(robot) => {
+                let reach = drive::reach(&motion, robot);
                 reach.into_iter().for_each(|corner| extent.add(corner));
             }
         }
@@ -155,6 +192,7 @@ fn plots(scene: &SceneRequest, world: &World, region: &[Point; 2], columns: usiz
     let names = if scene.task == Task::Drive { ["x", "y"] } else { ["x", "z"] };
     let (wide, high) = match columns {
         1 if x > 2.5 * y => (760.0, 440.0),
+        1 if world.is_floor_plan => (760.0, 640.0),
         1 => (520.0, 440.0),
         2 => (340.0, 380.0),
         _ => (300.0, 360.0),
@@ -172,11 +210,12 @@ struct Views<'a> {
     numbers: f64,
     upright: bool,
     plot_height: f64,
+    look: Look<'a>,
 }
 
 impl Views<'_> {
     fn draw(&self, out: &mut String, panel: &Panel, backgrounds: &mut Vec<(String, String)>) {
-        let Self { scene, world, .. } = self;
+        let Self { scene, world, look, .. } = self;
         let (answer, refusal) = (panel.content.ok(), panel.content.err());
         let channels = world.channels_of(answer);
         let mouth = mouth(scene, world, answer, &channels);
@@ -193,13 +232,26 @@ impl Views<'_> {
             // A nested svg element clips what reaches beyond it.
             let (w, h) = (Px(plot.width), Px(plot.height));
             _ = write!(out, r#"<svg class="view" width="{w}" height="{h}">"#);
-            let id = background(backgrounds, free_space::draw(plot, world, &channels, mouth));
+            let walls = match world.is_floor_plan {
+                true => {
+                    let mesh = if look.mesh { channels.as_slice() } else { &[] };
+                    free_space::draw_floor_plan(plot, world, look.unknown, mesh)
+                }
+                false => free_space::draw(plot, world, &channels, mouth),
+            };
+            let id = background(backgrounds, walls);
             _ = write!(out, r##"<use href="#{id}"/>"##);
-            free_space::junctions(out, plot, &junctions, refusal.and_then(|r| r.junction));
+            if look.mesh || !world.is_floor_plan {
+                free_space::junctions(out, plot, &junctions, refusal.and_then(|r| r.junction));
+            }
             match &world.mover {
                 Mover::Part(shape) => assembly::draw(out, plot, shape, answer),
-                Mover::Robot { width, length } => {
-                    drive::draw(out, plot, (*width, *length), scene, answer);
+                Mover::Robot(robot) => {
+                    drive::draw(out, plot, robot, scene, answer);
+                    let places = refusal.map(place::of).unwrap_or_default();
+                    if !places.is_empty() {
+                        free_space::place(out, plot, &places);
+                    }
                 }
             }
             out.push_str("</svg>");
@@ -296,6 +348,19 @@ fn picture_of(sign: Sign) -> String {
         ),
         Sign::Clearance => {
             format!(r#"<circle cx="10" r="5" fill="none" stroke="{alert}" stroke-width="1.6"/>"#)
+        }
+        Sign::Wall => square(format!(r#"fill="{}""#, style::SOLID)),
+        Sign::Unknown => square(format!(
+            r#"fill="{}" stroke="{}" stroke-width="0.6""#,
+            style::UNKNOWN,
+            style::FRAME
+        )),
+        Sign::Turn => format!(
+            r#"<path d="M4 4A7 7 0 0 1 16 0" fill="none" stroke="{0}" stroke-width="1.8"/><path d="M12.8 0L16.4 5L19.2 0Z" fill="{0}"/>"#,
+            style::TURN
+        ),
+        Sign::Reverse => {
+            format!(r#"<path d="M0 0h20" stroke="{}" stroke-width="2.6"/>"#, style::REVERSE)
         }
         Sign::Junction => square(format!(
             r#"fill="{}" fill-opacity="0.18" stroke="{}" stroke-width="0.6""#,

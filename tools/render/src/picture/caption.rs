@@ -1,7 +1,7 @@
 //! Title, captions, legend.
 
 use schemas::message::{
-    Body, Choice, ClearanceWish, Gap, Refusal, Reply, SceneRequest, Task, Trajectory,
+    Body, Choice, ClearanceWish, Footprint, Gap, Refusal, Reply, SceneRequest, Task, Trajectory,
 };
 
 use super::style;
@@ -199,28 +199,48 @@ pub(super) enum Sign {
     Circle,
     Clearance,
     Junction,
+    Wall,
+    Unknown,
+    Turn,
+    Reverse,
+}
+
+/// What a picture shows, besides what its scene says.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Shown {
+    /// Any answer.
+    pub(super) motion: bool,
+    pub(super) junctions: bool,
+    pub(super) walls: bool,
+    pub(super) unknown: bool,
+    pub(super) turns: bool,
+    pub(super) reverse: bool,
 }
 
 /// The signs used, with what they mean.
-pub(super) fn legend(scene: &SceneRequest, motion: bool) -> Vec<(Sign, &'static str)> {
+pub(super) fn legend(scene: &SceneRequest, shown: &Shown) -> Vec<(Sign, &'static str)> {
     let drive = scene.task == Task::Drive;
-    let mut signs = vec![(Sign::Body, if drive { "start" } else { "assembled" })];
-    if drive {
-        signs.push((Sign::Goal, "goal"));
-    }
-    if motion {
-        signs.push((Sign::Ghost, if drive { "ends of legs" } else { "way-points" }));
-        signs.push((
-            Sign::Path,
-            if drive { "path of the centre" } else { "path of the first vertex" },
-        ));
-        if drive {
-            signs.push((Sign::Circle, "guiding circles"));
+    let mut signs = Vec::new();
+    let mut add = |is_shown: bool, sign: Sign, meaning| {
+        if is_shown {
+            signs.push((sign, meaning));
         }
-        signs.push((Sign::Clearance, "least clearance"));
-    }
-    if motion || scene.free_space.in_order {
-        signs.push((Sign::Junction, "junctions"));
-    }
+    };
+    add(shown.walls, Sign::Wall, "walls");
+    add(shown.unknown, Sign::Unknown, "unknown");
+    add(true, Sign::Body, if drive { "start" } else { "assembled" });
+    add(drive, Sign::Goal, "goal");
+    add(shown.motion, Sign::Ghost, if drive { "ends of legs" } else { "way-points" });
+    let path = match &scene.body {
+        Body::Footprint(Footprint::Offset { .. }) => "path of the reference point",
+        Body::Footprint(_) => "path of the centre",
+        _ => "path of the first vertex",
+    };
+    add(shown.motion, Sign::Path, path);
+    add(shown.reverse, Sign::Reverse, "in reverse");
+    add(shown.turns, Sign::Turn, "turns in place");
+    add(shown.motion && drive, Sign::Circle, "guiding circles");
+    add(shown.motion, Sign::Clearance, "least clearance");
+    add(shown.junctions, Sign::Junction, "junctions");
     signs
 }

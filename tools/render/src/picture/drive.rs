@@ -10,28 +10,39 @@ use super::motion::{Course, Placement};
 use super::plot::{Pixel, Plot, ring};
 use super::style;
 use super::text::Px;
-use super::world::{Point, point};
+use super::world::{Point, Robot, point};
 
 /// The most guiding circles that are drawn.
 const MOST_CIRCLES: usize = 120;
+
+/// A robot of fewer pixels than this gets a ring.
+const SMALL: f64 = 10.0;
 
 /// The robot at the start, at the goal and on the way.
 pub(super) fn draw(
     out: &mut String,
     plot: &Plot,
-    (width, length): (f64, f64),
+    robot: &Robot,
     scene: &SceneRequest,
     answer: Option<&Trajectory>,
 ) {
+    let (width, length) = (robot.width, robot.length());
     let motion = answer.map(Course::of);
     let rectangle = |out: &mut String, placement: &Placement, tick: bool| {
         out.push_str(r#"<path d=""#);
-        let corners = corners(placement, width, length);
+        let corners = corners(placement, robot);
         ring(out, corners.iter().map(|corner| plot.pixel(*corner)), 4);
         out.push_str(r#""/>"#);
         if tick {
             let [[x0, y0], [x1, y1]] = [corners[0], corners[3]].map(|p| plot.pixel(p).map(Px));
             _ = write!(out, r#"<path d="M{x0} {y0}L{x1} {y1}" stroke-width="3"/>"#);
+        }
+    };
+    // In a large building a ring shows where the robot is.
+    let small = |out: &mut String, placement: &Placement| {
+        if width.max(length) * plot.scale < SMALL {
+            let [x, y] = plot.pixel(placement.position).map(Px);
+            _ = write!(out, r#"<circle cx="{x}" cy="{y}" r="7" fill="none"/>"#);
         }
     };
     let (blue, green) = (style::BODY, style::GOAL);
@@ -75,6 +86,7 @@ pub(super) fn draw(
             style::BODY_FILL
         );
         rectangle(out, start, true);
+        small(out, start);
         out.push_str("</g>");
     }
     if let Some((goal, heading_known)) = &goal {
@@ -84,7 +96,10 @@ pub(super) fn draw(
             style::GOAL_FILL
         );
         match heading_known {
-            true => rectangle(out, goal, true),
+            true => {
+                rectangle(out, goal, true);
+                small(out, goal);
+            }
             false => {
                 let [x, y] = plot.pixel(goal.position).map(Px);
                 let r = Px(width.min(length) / 2.0 * plot.scale);
@@ -96,13 +111,18 @@ pub(super) fn draw(
     let (Some(answer), Some(motion)) = (answer, &motion) else { return };
     let still = [0.0; 3];
     plot.path(out, motion, still);
+    for stretch in motion.reversed() {
+        let look = format!(r#"stroke="{}" stroke-width="2.6""#, style::REVERSE);
+        plot.path_in(out, &stretch, still, ["reverse", &look]);
+    }
+    turns(out, plot, motion, width);
     let mut busy: Vec<Pixel> = dots(out, plot, motion, still);
     let clearance = &answer.clearance;
     if let (true, Some(placement)) = (clearance.value.is_finite(), motion.placement(clearance.at)) {
         let wall = point(&clearance.wall);
         busy.extend(along(plot, motion, still));
-        busy.extend(rim(&corners(&placement, width, length).map(|p| plot.pixel(p))));
-        let near = nearest(&placement, width, length, wall);
+        busy.extend(rim(&corners(&placement, robot).map(|p| plot.pixel(p))));
+        let near = nearest(&placement, robot, wall);
         mark::clearance(out, plot, wall, near, clearance.value, &busy);
     }
 }
@@ -138,23 +158,56 @@ fn circles(out: &mut String, plot: &Plot, motion: &Course) {
     out.push_str("</g>");
 }
 
+/// The most turns in place that are marked.
+const MOST_TURNS: usize = 60;
+
+/// Arrows about the places where the robot turns.
+fn turns(out: &mut String, plot: &Plot, motion: &Course, width: f64) {
+    let turns: Vec<(Point, f64, f64)> = motion.turns().collect();
+    if turns.is_empty() {
+        return;
+    }
+    let color = style::TURN;
+    _ = write!(out, r#"<g class="turns" fill="none" stroke="{color}" stroke-width="1.8">"#);
+    let r = (0.4 * width * plot.scale).clamp(7.0, 18.0);
+    for (position, from, sweep) in thinned(&turns, MOST_TURNS) {
+        let [x, y] = plot.pixel(*position);
+        let sweep = sweep.clamp(-6.0, 6.0);
+        let at =
+            |heading: f64, r: f64| [x + r * libm::cos(heading), y - r * libm::sin(heading)].map(Px);
+        let ([x0, y0], [x1, y1]) = (at(*from, r), at(from + sweep, r));
+        let large = u8::from(sweep.abs() > std::f64::consts::PI);
+        let left = u8::from(sweep < 0.0);
+        _ = write!(out, r#"<path d="M{x0} {y0}A{r} {r} 0 {large} {left} {x1} {y1}"/>"#, r = Px(r));
+        // The tip leads on along the circle.
+        let along = sweep.signum() * 5.0 / r;
+        let tip =
+            [at(from + sweep, r - 3.2), at(from + sweep + along, r), at(from + sweep, r + 3.2)];
+        let [[ax, ay], [bx, by], [cx, cy]] = tip;
+        _ = write!(
+            out,
+            r#"<path d="M{ax} {ay}L{bx} {by}L{cx} {cy}Z" fill="{color}" stroke="none"/>"#
+        );
+    }
+    out.push_str("</g>");
+}
+
 /// Front left, rear left, rear right, front right.
-fn corners(placement: &Placement, width: f64, length: f64) -> [Point; 4] {
+fn corners(placement: &Placement, robot: &Robot) -> [Point; 4] {
     let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
     let [x, y, _] = placement.position;
-    [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(ahead, left)| {
-        let (a, l) = (ahead * length / 2.0, left * width / 2.0);
-        [x + a * cos - l * sin, y + a * sin + l * cos, 0.0]
-    })
+    let (front, rear, left) = (robot.front, -robot.rear, robot.width / 2.0);
+    [(front, left), (rear, left), (rear, -left), (front, -left)]
+        .map(|(a, l)| [x + a * cos - l * sin, y + a * sin + l * cos, 0.0])
 }
 
 /// The point of the robot that is closest to `target`.
-fn nearest(placement: &Placement, width: f64, length: f64, target: Point) -> Point {
+fn nearest(placement: &Placement, robot: &Robot, target: Point) -> Point {
     let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
     let [x, y, _] = placement.position;
     let (dx, dy) = (target[0] - x, target[1] - y);
-    let ahead = (dx * cos + dy * sin).clamp(-length / 2.0, length / 2.0);
-    let left = (dy * cos - dx * sin).clamp(-width / 2.0, width / 2.0);
+    let ahead = (dx * cos + dy * sin).clamp(-robot.rear, robot.front);
+    let left = (dy * cos - dx * sin).clamp(-robot.width / 2.0, robot.width / 2.0);
     [x + ahead * cos - left * sin, y + ahead * sin + left * cos, 0.0]
 }
 
@@ -178,7 +231,7 @@ fn between(motion: &Course, length: f64) -> Vec<f64> {
 }
 
 /// The corners of the robot at the poses it certainly reaches.
-pub(super) fn reach(motion: &Course, width: f64, length: f64) -> Vec<Point> {
+pub(super) fn reach(motion: &Course, robot: &Robot) -> Vec<Point> {
     let way_points = motion.way_points();
-    way_points.iter().flat_map(|placement| corners(placement, width, length)).collect()
+    way_points.iter().flat_map(|placement| corners(placement, robot)).collect()
 }

@@ -106,6 +106,18 @@ impl Plot {
 
     /// The path of the reference point, moved by `offset`: lines and true arcs.
     pub(super) fn path(&self, out: &mut String, motion: &Course, offset: Point) {
+        let look = format!(r#"stroke="{}" stroke-width="1.6""#, style::PATH);
+        self.path_in(out, motion, offset, ["path", &look]);
+    }
+
+    /// A path of a class and look of its own.
+    pub(super) fn path_in(
+        &self,
+        out: &mut String,
+        motion: &Course,
+        offset: Point,
+        [class, look]: [&str; 2],
+    ) {
         let mut fine = 0.25;
         // Details too small to see are left out, more and more until few enough remain.
         let path = loop {
@@ -114,10 +126,9 @@ impl Plot {
             }
             fine *= 2.0;
         };
-        let color = style::PATH;
         _ = write!(
             out,
-            r#"<path class="path" d="{path}" fill="none" stroke="{color}" stroke-width="1.6" stroke-linejoin="round" stroke-linecap="round"/>"#
+            r#"<path class="{class}" d="{path}" fill="none" {look} stroke-linejoin="round" stroke-linecap="round"/>"#
         );
     }
 

@@ -7,6 +7,10 @@ pub(super) const SUBTLE: &str = "#59636e";
 pub(super) const FRAME: &str = "#8c959f";
 pub(super) const WALL: &str = "#d9dde2";
 pub(super) const WALL_EDGE: &str = "#6e7781";
+/// Walls of a floor plan.
+pub(super) const SOLID: &str = "#424a53";
+/// What a floor plan does not know.
+pub(super) const UNKNOWN: &str = "#e3e6ea";
 pub(super) const CHANNEL_EDGE: &str = "#8c959f";
 pub(super) const JUNCTION: &str = "#e69f00";
 /// What moves.
@@ -19,3 +23,7 @@ pub(super) const GOAL: &str = "#009e73";
 pub(super) const GOAL_FILL: &str = "#8fd0bb";
 /// The least clearance, and what is refused.
 pub(super) const ALERT: &str = "#d55e00";
+/// Turns in place.
+pub(super) const TURN: &str = "#cc79a7";
+/// Where a robot drives backwards.
+pub(super) const REVERSE: &str = "#e69f00";

@@ -7,6 +7,7 @@ use schemas::message::{
 use super::*;
 
 mod corridors;
+mod floor_plans;
 
 const DISASSEMBLE: &str = include_str!("../../../../recordings/scenes/disassemble.json");
 

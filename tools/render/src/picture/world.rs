@@ -17,13 +17,26 @@ pub(super) enum Shape {
 pub(super) enum Mover {
     /// Translates; as it is in the assembled state.
     Part(Shape),
-    /// Drives and turns about its centre.
-    Robot {
-        /// Across the heading.
-        width: f64,
-        /// Along the heading.
-        length: f64,
-    },
+    /// Drives and turns about its reference point.
+    Robot(Robot),
+}
+
+/// A rectangle about a reference point, metres.
+#[derive(Clone, Copy)]
+pub(super) struct Robot {
+    /// Across the heading.
+    pub(super) width: f64,
+    /// From the reference point to the front end.
+    pub(super) front: f64,
+    /// From the reference point to the rear end.
+    pub(super) rear: f64,
+}
+
+impl Robot {
+    /// Along the heading.
+    pub(super) fn length(&self) -> f64 {
+        self.front + self.rear
+    }
 }
 
 /// A scene.
@@ -34,6 +47,8 @@ pub(super) struct World {
     pub(super) solids: Vec<Shape>,
     pub(super) bounds: Option<[Point; 2]>,
     pub(super) mover: Mover,
+    /// Whether it is a floor plan: walls that a robot drives among, without given channels.
+    pub(super) is_floor_plan: bool,
 }
 
 /// Coordinates that can be subtracted and scaled without overflow.
@@ -112,10 +127,11 @@ impl World {
                 Mover::Part(Shape::Polygon(vertices.iter().map(point).collect()))
             }
             Body::Box(sides) => Mover::Part(Shape::Box(corners(sides))),
-            Body::Footprint(footprint) => Mover::Robot {
+            Body::Footprint(footprint) => Mover::Robot(Robot {
                 width: tame(footprint.width()).abs(),
-                length: tame(footprint.front() + footprint.rear()).abs(),
-            },
+                front: tame(footprint.front()).abs(),
+                rear: tame(footprint.rear()).abs(),
+            }),
         };
         let boxes = space.channels.iter().flatten();
         let three = boxes.chain(&space.bounds).any(|sides| sides.min.dimension() == 3)
@@ -124,6 +140,9 @@ impl World {
             dimension: if three && scene.task != Task::Drive { 3 } else { 2 },
             channels: space.channels.iter().flatten().map(corners).collect(),
             bounds: space.bounds.as_ref().map(corners),
+            is_floor_plan: scene.task == Task::Drive
+                && space.channels.is_none()
+                && !solids.is_empty(),
             solids,
             mover,
         }
@@ -152,7 +171,7 @@ impl World {
     }
 }
 
-fn solid(solid: &Solid) -> Shape {
+pub(super) fn solid(solid: &Solid) -> Shape {
     match solid {
         Solid::Polygon(vertices) => Shape::Polygon(vertices.iter().map(point).collect()),
         Solid::Box(sides) => Shape::Box(corners(sides)),
