@@ -31,11 +31,12 @@ fn ours(package: &str) -> String {
     package.strip_prefix("clearway-").unwrap_or(package).to_owned()
 }
 
-const SERVICES: [&str; 9] = [
+const SERVICES: [&str; 10] = [
     "schemas",
     "planning",
     "answer",
     "configuration",
+    "floor-plan",
     "bus",
     "recording",
     "comparison",
@@ -52,6 +53,7 @@ fn dependencies_run_one_way() {
         ("schemas", vec![]),
         ("bus", vec!["schemas"]),
         ("recording", vec!["schemas"]),
+        ("floor-plan", vec!["schemas"]),
         ("answer", vec!["planning", "schemas"]),
         ("configuration", vec!["answer"]),
         // How programs end, print and report: knows none of what they do.
@@ -60,7 +62,10 @@ fn dependencies_run_one_way() {
         // Draws what it is given; plans in its tests.
         ("render", vec!["schemas", "answer"]),
         // Can plan in its own process; reaches the planner by the bus only.
-        ("plan", vec!["schemas", "answer", "configuration", "bus", "program", "render"]),
+        (
+            "plan",
+            vec!["schemas", "answer", "configuration", "floor-plan", "bus", "program", "render"],
+        ),
         ("recorder", vec!["schemas", "bus", "recording", "program"]),
         // Plans and compares without a bus.
         ("comparison", vec!["schemas", "recording"]),
@@ -73,7 +78,7 @@ fn dependencies_run_one_way() {
         // Makes what the others' tests compare with.
         ("bless", [&SERVICES[..], &TOOLS, &["fuzz-targets", "integration-tests"]].concat()),
         // Reads what others wrote, by the libraries that read it.
-        ("fuzz-targets", vec!["schemas", "answer", "recording", "plan"]),
+        ("fuzz-targets", vec!["schemas", "answer", "recording", "floor-plan"]),
         // Tests know everything.
         ("schema-tests", vec!["answer", "schemas"]),
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
@@ -112,6 +117,7 @@ fn each_foreign_format_has_one_owner() {
     check_owners(&["bus", "integration-tests"], "iceoryx2");
     check_owners(&["recording"], "mcap");
     check_owners(&["schemas"], "bincode");
+    check_owners(&["floor-plan"], "image");
 }
 
 /// Our source files and their text, this package's own included.

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use floor_plan::{CellState, FloorPlan, UnknownCells};
+use schemas::message::{Solid, Vector};
 use tempfile::TempDir;
 
 /// The first line of every YAML file here: nothing else is to be opened.
@@ -22,15 +24,48 @@ pub fn floor_plan(bytes: &[u8]) {
         fs::write(&path, [IMAGE, yaml].concat()).expect("the folder takes files");
         let picture = picture.get(1..).unwrap_or_default();
         fs::write(folder.path().join("map.pgm"), picture).expect("the folder takes files");
-        match plan::map::read(&path) {
-            Err(error) => assert!(!error.to_string().is_empty()),
-            Ok(free_space) => {
-                let bounds = free_space.bounds.expect("a map has bounds");
-                let sides = bounds.min.as_slice().iter().zip(bounds.max.as_slice());
-                for (min, max) in sides {
-                    assert!(min.is_finite() && max.is_finite() && min < max, "{bounds:?}");
-                }
+        for unknown in [UnknownCells::Occupied, UnknownCells::Free] {
+            match floor_plan::read(&path, unknown) {
+                Err(error) => assert!(!error.to_string().is_empty()),
+                Ok(plan) => check(&plan),
             }
         }
     });
+}
+
+/// A map fills its bounds: free cells and solids have its area together.
+fn check(plan: &FloorPlan) {
+    let free_space = plan.free_space();
+    let bounds = free_space.bounds.expect("a map has bounds");
+    let (min, max) = (bounds.min.padded(), bounds.max.padded());
+    let finite = |i: usize| min[i].is_finite() && max[i].is_finite() && min[i] < max[i];
+    assert!(finite(0) && finite(1), "{bounds:?}");
+    for solid in free_space.solids.iter().flatten() {
+        let Solid::Polygon(vertices) = solid else { panic!("{solid:?} is not an outline") };
+        assert!(vertices.len() >= 3, "{vertices:?}");
+        for vertex in vertices.iter().map(Vector::padded) {
+            let within = |i: usize| min[i] <= vertex[i] && vertex[i] <= max[i];
+            assert!(within(0) && within(1), "{vertex:?} is not in {bounds:?}");
+        }
+    }
+    let (width, height) = (plan.grid().width(), plan.grid().height());
+    if width * height > 1 << 20 {
+        return;
+    }
+    // In cells, which is exact.
+    let twice: i64 = plan.outlines().iter().map(twice_area).sum();
+    let state = |cell: usize| plan.grid().cell(cell % width, cell / width);
+    let count = |of| (0..width * height).filter(|cell| state(*cell) == Some(of)).count() as i64;
+    let occupied = count(CellState::Occupied);
+    let either = [occupied, occupied + count(CellState::Unknown)];
+    assert!(twice % 2 == 0 && either.contains(&(twice / 2)), "{twice} is twice one of {either:?}");
+}
+
+fn twice_area(outline: &[[u32; 2]]) -> i64 {
+    let sides = outline.iter().zip(outline.iter().cycle().skip(1));
+    let cross = |(a, b): (&[u32; 2], &[u32; 2])| {
+        let [a, b] = [a, b].map(|corner| corner.map(i64::from));
+        a[0] * b[1] - b[0] * a[1]
+    };
+    sides.map(cross).sum()
 }

@@ -260,8 +260,27 @@ pub(crate) fn floor_plan() -> Seeds {
     let plain = b"P2 3 2 255 0 254 254 254 254 100\n".as_slice();
     let raw = "resolution: 0.05\norigin: [1.5, -2, 0]\nnegate: 1\nmode: raw\n\
                occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    // Rings, one of which touches itself at a corner.
+    let rings = [
+        b"P5\n5 5\n255\n".as_slice(),
+        &[0, 0, 0, 0, 205, 0, 254, 254, 0, 0, 0, 254, 0, 254, 0, 0, 0, 0, 0, 254, 254, 0],
+        &[254, 254, 254],
+    ];
+    let turned = "resolution: '0.05'\norigin: [1.5, -2, \"0.5\"]\nnegate: 0\n\
+                  occupied_thresh: 0.65\nfree_thresh: 0.25\n";
+    // 3 x 2 pixels of 24 bits, each row padded to 12 bytes.
+    let bitmap = [
+        b"BM\x4e\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x03\0\0\0\x02\0\0\0\x01\0\x18\0".as_slice(),
+        b"\0\0\0\0\x18\0\0\0\x13\x0b\0\0\x13\x0b\0\0\0\0\0\0\0\0\0\0",
+        &[0, 0, 0, 254, 254, 254, 0, 0, 0, 0, 0, 0],
+        &[254, 254, 254, 254, 254, 254, 205, 205, 205, 0, 0, 0],
+    ];
+    let quarter = "resolution: 1\norigin: [0, 0, 1.5707963267948966]\nnegate: no\nmode: scale\n\
+                   occupied_thresh: 0.65\nfree_thresh: 0.196\n";
     vec![
+        ("bitmap".to_owned(), [quarter.as_bytes(), &[0], &bitmap.concat()].concat()),
         ("office".to_owned(), [office.as_bytes(), &[0], &binary.concat()].concat()),
         ("raw".to_owned(), [raw.as_bytes(), &[0], plain].concat()),
+        ("turned".to_owned(), [turned.as_bytes(), &[0], &rings.concat()].concat()),
     ]
 }

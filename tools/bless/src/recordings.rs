@@ -25,11 +25,9 @@ enum Source {
     Scene(&'static str),
     /// A scene on each line.
     Lines(&'static str),
-    /// A scene whose free space is a floor plan.
-    Mapped { scene: &'static str, map: &'static str },
 }
 
-use Source::{Lines, Mapped, Scene};
+use Source::{Lines, Scene};
 
 /// Every golden recording.
 pub(crate) const RECORDINGS: &[Golden] = &[
@@ -50,7 +48,7 @@ pub(crate) const RECORDINGS: &[Golden] = &[
         requests: &[
             Scene("disassemble-solids.json"),
             Scene("disassemble-space.json"),
-            Mapped { scene: "drive-office.json", map: "office.yaml" },
+            Scene("drive-office-boxes.json"),
         ],
     },
     Golden { path: "recordings/refusals.mcap", requests: &[Lines("refusals.jsonl")] },
@@ -124,12 +122,6 @@ impl Golden {
                         read(name, json::read_scene(line))?;
                     }
                 }
-                Mapped { scene, map } => {
-                    let path = root().join(file(map));
-                    let map = plan::map::read(&path)
-                        .map_err(|error| Error::Content { path, reason: error.to_string() })?;
-                    read(scene, plan::map::read_scene(&scene_text(scene), &map))?;
-                }
             }
         }
         Ok(scenes)
@@ -145,9 +137,6 @@ impl Golden {
             match source {
                 Scene(name) => drop(test.plan(&["--format", "json", &path(name)])),
                 Lines(name) => drop(test.plan_lines(&scene_text(name))),
-                Mapped { scene, map } => {
-                    drop(test.plan(&["--format", "json", "--map", &path(map), &path(scene)]));
-                }
             }
         }
         recorder.stop();

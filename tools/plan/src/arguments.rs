@@ -42,6 +42,9 @@ pub(crate) struct Arguments {
     /// must not have its own
     #[arg(long, value_name = "FILE.yaml")]
     pub(crate) map: Option<PathBuf>,
+    /// What the floor plan's unknown cells are
+    #[arg(long, value_enum, value_name = "STATE", default_value_t = Unknown::Occupied, requires = "map")]
+    pub(crate) unknown: Unknown,
     /// Plan in this process, without a planner; the replies are the same
     #[arg(long)]
     pub(crate) local: bool,
@@ -56,6 +59,9 @@ pub(crate) struct Arguments {
     /// FILE.svg, FILE-2.svg, ...
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) svg: Option<PathBuf>,
+    /// Draw the channels that the planner made in floor plans, too
+    #[arg(long, requires = "svg")]
+    pub(crate) svg_mesh: bool,
     /// Replace existing files
     #[arg(long)]
     pub(crate) overwrite: bool,
@@ -75,4 +81,20 @@ pub(crate) enum Format {
     Text,
     Json,
     Csv,
+}
+
+/// What `--unknown` says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Unknown {
+    Occupied,
+    Free,
+}
+
+impl From<Unknown> for floor_plan::UnknownCells {
+    fn from(unknown: Unknown) -> Self {
+        match unknown {
+            Unknown::Occupied => Self::Occupied,
+            Unknown::Free => Self::Free,
+        }
+    }
 }

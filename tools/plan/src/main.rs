@@ -2,6 +2,8 @@
 
 mod arguments;
 mod csv;
+mod grey;
+mod map_scene;
 mod pictures;
 mod session;
 mod stdin;

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use render::picture::Look;
 use rustix::fs::Access;
 use schemas::message::{Reply, SceneRequest};
 
@@ -69,9 +70,10 @@ impl Pictures {
         number: usize,
         scene: &SceneRequest,
         reply: &Reply,
+        look: Look,
     ) -> Result<(), PictureError> {
         let path = numbered(&self.path, number);
-        let picture = render::picture::draw(scene, reply);
+        let picture = render::picture::draw_with(scene, reply, look);
         let failed = |cause: io::Error| match cause.kind() {
             io::ErrorKind::AlreadyExists => PictureError::Exists(path.clone()),
             _ => PictureError::Write { path: path.clone(), cause },

@@ -7,19 +7,20 @@ use std::path::{Path, PathBuf};
 use answer::Caps;
 use bus::{CallError, Client, Wait};
 use configuration::{Config, ConfigError};
-use plan::map::{self, MapError};
+use floor_plan::{FloorPlan, MapError};
 use program::{Exit, PrintError, warn};
+use render::picture::Look;
 use render::table;
 use schemas::json::{self, UnreadableScene};
 use schemas::message::{
-    FreeSpace, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest,
+    FreeSpace, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest, Solid,
 };
 
-use crate::arguments::{Arguments, Format};
-use crate::csv;
+use crate::arguments::{Arguments, Format, Unknown};
 use crate::pictures::{PictureError, Pictures};
 use crate::stdin::Stdin;
 use crate::stream::{MOST_BYTES, SceneText, Scenes};
+use crate::{csv, grey, map_scene};
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -48,7 +49,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Failure> {
     if let Some(pictures) = &pictures {
         pictures.check(&arguments.scenes)?;
     }
-    let map = arguments.map.as_deref().map(map::read).transpose()?;
+    let map = arguments.map.as_deref().map(|path| Map::read(path, arguments));
+    let map = map.transpose()?;
     let planner = Planner::new(arguments)?;
     let out = BufWriter::new(io::stdout().lock());
     let mut session = Session { arguments, map, planner, pictures, out, scenes: 0, refused: 0 };
@@ -115,9 +117,25 @@ fn refusal_to(id: Option<u64>, refusal: Refusal) -> Reply {
     Reply { key: RequestKey::default(), id, answers: Err(refusal) }
 }
 
+/// The free space of all scenes.
+struct Map {
+    plan: FloorPlan,
+    free_space: FreeSpace,
+    /// For pictures.
+    unknown: Vec<Solid>,
+}
+
+impl Map {
+    fn read(path: &Path, arguments: &Arguments) -> Result<Self, MapError> {
+        let plan = floor_plan::read(path, arguments.unknown.into())?;
+        let unknown = arguments.svg.as_ref().map(|_| plan.unknown()).unwrap_or_default();
+        Ok(Self { free_space: plan.free_space(), unknown, plan })
+    }
+}
+
 struct Session<'a> {
     arguments: &'a Arguments,
-    map: Option<FreeSpace>,
+    map: Option<Map>,
     planner: Planner,
     pictures: Option<Pictures>,
     out: BufWriter<io::StdoutLock<'a>>,
@@ -177,7 +195,7 @@ impl Session<'_> {
 
     fn read(&self, text: &str) -> Result<SceneRequest, UnreadableScene> {
         match &self.map {
-            Some(map) => map::read_scene(text, map),
+            Some(map) => map_scene::read_scene(text, &map.free_space),
             None => json::read_scene(text),
         }
     }
@@ -200,8 +218,17 @@ impl Session<'_> {
             self.refused += 1;
         }
         self.print(name, scene.as_ref(), &reply).map_err(PrintError)?;
+        if let (Some(map), Some(scene)) = (&self.map, &scene)
+            && self.arguments.unknown == Unknown::Occupied
+            && let Some(grey) = grey::passed_over(&map.plan, scene, &reply)
+        {
+            let id = reply.id.map_or(String::new(), |id| format!(" (id {id})"));
+            warn(format_args!("plan: note: {name}{id}: {grey}"));
+        }
         if let (Some(pictures), Some(scene)) = (&self.pictures, &scene) {
-            pictures.draw(self.scenes, scene, &reply)?;
+            let unknown = self.map.as_ref().map_or(&[][..], |map| &map.unknown);
+            let look = Look { mesh: self.arguments.svg_mesh, unknown };
+            pictures.draw(self.scenes, scene, &reply, look)?;
         }
         Ok(())
     }

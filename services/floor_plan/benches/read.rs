@@ -1,11 +1,12 @@
-//! Reading a floor plan of 4000 x 4000 cells (200 m x 200 m at 5 cm), from the files to boxes:
-//! as an architect draws it, and as a robot's scans do, with ragged walls.
+//! Reading a floor plan of 4000 x 4000 cells (200 m x 200 m at 5 cm), from the files to
+//! outlines: as an architect draws it, and as a robot's scans do, with ragged walls.
+//! `examples/outline.rs` measures any map.
 
 use std::fs;
 use std::path::PathBuf;
 
 use divan::Bencher;
-use plan::map;
+use floor_plan::UnknownCells;
 use tempfile::TempDir;
 
 const SIDE: usize = 4000;
@@ -13,8 +14,10 @@ const SIDE: usize = 4000;
 fn main() {
     for ragged in [false, true] {
         let (_folder, path) = floor(ragged);
-        let solids = map::read(&path).expect("a map").solids.map_or(0, |solids| solids.len());
-        println!("{}: {solids} boxes", if ragged { "ragged" } else { "drawn" });
+        let plan = floor_plan::read(&path, UnknownCells::Occupied).expect("a map");
+        let (count, vertices) = (plan.outlines().count(), plan.outlines().vertices());
+        let name = if ragged { "ragged" } else { "drawn" };
+        println!("{name}: {count} outlines with {vertices} vertices");
     }
     divan::main();
 }
@@ -60,5 +63,6 @@ fn floor(ragged: bool) -> (TempDir, PathBuf) {
 #[divan::bench(args = [false, true])]
 fn read(bencher: Bencher, ragged: bool) {
     let (_folder, path) = floor(ragged);
-    bencher.bench_local(|| map::read(&path).expect("a map"));
+    let read = || floor_plan::read(&path, UnknownCells::Occupied).expect("a map");
+    bencher.bench_local(read);
 }

@@ -4,30 +4,40 @@ use std::path::{Path, PathBuf};
 
 use saphyr::{LoadableYamlNode, Yaml};
 
-use super::MapError;
+use crate::error::MapError;
 
 /// A map's YAML. Unknown fields are ignored: other tools keep theirs in the same file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Description {
+pub(crate) struct Description {
     /// Path of the picture; if relative, from the YAML's folder.
-    pub(super) image: PathBuf,
+    pub(crate) image: PathBuf,
     /// The side of a cell, metres.
-    pub(super) resolution: f64,
-    /// The lower left corner of the map, metres.
-    pub(super) origin: [f64; 2],
+    pub(crate) resolution: f64,
+    /// The lower left corner of the map, metres, and its turn about it, radians.
+    pub(crate) origin: [f64; 3],
     /// Whether bright cells are occupied.
-    pub(super) negate: bool,
+    pub(crate) negate: bool,
     /// Cells with a greater occupancy are occupied.
-    pub(super) occupied: f64,
+    pub(crate) occupied: f64,
     /// Cells with a lower occupancy are free.
-    pub(super) free: f64,
+    pub(crate) free: f64,
     /// How shades become occupancies.
-    pub(super) mode: Mode,
+    pub(crate) mode: Mode,
 }
 
-/// How shades become occupancies; see the table in [`super`].
+/// Whether a robot may drive where nothing is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UnknownCells {
+    /// It must not: unknown cells are as solid as walls.
+    #[default]
+    Occupied,
+    /// It may.
+    Free,
+}
+
+/// How shades become occupancies; see the table in [`crate`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// Free, occupied, or unknown.
     Trinary,
     /// As [`Mode::Trinary`], with values in between; transparent cells are unknown.
@@ -38,7 +48,7 @@ pub(super) enum Mode {
 
 impl Description {
     /// Reads the YAML `text` of the file `path`.
-    pub(super) fn read(path: &Path, text: &str) -> Result<Self, MapError> {
+    pub(crate) fn read(path: &Path, text: &str) -> Result<Self, MapError> {
         let not_yaml = |cause| MapError::NotYaml { path: path.to_owned(), cause };
         let documents = Yaml::load_from_str(text).map_err(|error| not_yaml(error.to_string()))?;
         let fields = match documents.as_slice() {
@@ -95,24 +105,24 @@ impl<'a> YamlFields<'a> {
             .ok_or_else(|| self.wrong(field, expected, value))
     }
 
-    fn origin(&self) -> Result<[f64; 2], MapError> {
+    fn origin(&self) -> Result<[f64; 3], MapError> {
         let value = self.get("origin")?;
         let numbers: Option<Vec<f64>> = value
             .as_sequence()
             .and_then(|list| list.iter().map(number).collect())
             .filter(|list: &Vec<f64>| list.iter().all(|number| number.is_finite()));
-        match numbers.as_deref() {
-            Some(&[x, y, 0.0]) => Ok([x, y]),
-            Some(&[_, _, yaw]) => Err(MapError::Turned { path: self.path.to_owned(), yaw }),
-            _ => Err(self.wrong("origin", "three finite numbers, [x, y, yaw]", value)),
-        }
+        numbers
+            .and_then(|list| list.try_into().ok())
+            .ok_or_else(|| self.wrong("origin", "three finite numbers, [x, y, yaw]", value))
     }
 
     fn negate(&self) -> Result<bool, MapError> {
         let value = self.get("negate")?;
-        match (value.as_integer(), value.as_bool()) {
-            (Some(0), _) | (_, Some(false)) => Ok(false),
-            (Some(1), _) | (_, Some(true)) => Ok(true),
+        let word = value.as_str().map(|word| word.trim().to_ascii_lowercase());
+        match (value.as_bool(), value.as_integer(), word.as_deref()) {
+            (Some(negate), ..) => Ok(negate),
+            (_, Some(0), _) | (.., Some("0" | "false" | "no" | "off" | "n")) => Ok(false),
+            (_, Some(1), _) | (.., Some("1" | "true" | "yes" | "on" | "y")) => Ok(true),
             _ => Err(self.wrong("negate", "0 or 1", value)),
         }
     }
@@ -128,8 +138,17 @@ impl<'a> YamlFields<'a> {
     }
 }
 
+/// A number, in quotes or not: the map server reads both.
 fn number(value: &Yaml) -> Option<f64> {
-    value.as_floating_point().or_else(|| value.as_integer().map(|integer| integer as f64))
+    let quoted = || {
+        let text = value.as_str()?.trim();
+        // Only digits: "nan" and "infinity" are words.
+        text.bytes().any(|byte| byte.is_ascii_digit()).then(|| text.parse().ok())?
+    };
+    value
+        .as_floating_point()
+        .or_else(|| value.as_integer().map(|integer| integer as f64))
+        .or_else(quoted)
 }
 
 /// A value as shown in messages.
@@ -164,7 +183,7 @@ mod tests {
         let office = Description {
             image: PathBuf::from("maps/office.pgm"),
             resolution: 0.05,
-            origin: [-1.0, 2.5],
+            origin: [-1.0, 2.5, 0.0],
             negate: false,
             occupied: 0.65,
             free: 0.196,
@@ -173,6 +192,30 @@ mod tests {
         assert_eq!(read(OFFICE).unwrap(), office);
         let inverted = read(&OFFICE.replace("negate: 0", "negate: true\nmode: Scale")).unwrap();
         assert_eq!(inverted, Description { negate: true, mode: Mode::Scale, ..office });
+    }
+
+    #[test]
+    fn numbers_may_be_quoted() {
+        let quoted = "image: office.pgm\nresolution: \"0.05\"\norigin: ['-1', \"2.5\", ' 0 ']\n\
+                      negate: \"0\"\noccupied_thresh: '0.65'\nfree_thresh: \"1.96e-1\"\n";
+        assert_eq!(read(quoted).unwrap(), read(OFFICE).unwrap());
+    }
+
+    #[test]
+    fn negate_is_a_number_or_a_word() {
+        let negate = |word: &str| read(&OFFICE.replace("negate: 0", word)).unwrap().negate;
+        for word in ["negate: '1'", "negate: 1", "negate: yes", "negate: True", "negate: \"on\""] {
+            assert!(negate(word), "{word}");
+        }
+        for word in ["negate: '0'", "negate: no", "negate: FALSE", "negate: 'off'"] {
+            assert!(!negate(word), "{word}");
+        }
+    }
+
+    #[test]
+    fn a_yaw_is_read() {
+        let turned = read(&OFFICE.replace(", 0.0]", ", 1.57]")).unwrap();
+        assert_eq!(turned.origin, [-1.0, 2.5, 1.57]);
     }
 
     #[test]
@@ -220,9 +263,11 @@ mod tests {
         check("negate: 0\n", "", "negate is missing");
         check(
             ", 0.0]",
-            ", 1.57]",
-            "origin has a yaw of 1.57 rad, but it must be 0: cells must be parallel to the axes",
+            ", .inf]",
+            "origin must be three finite numbers, [x, y, yaw], not [-1, 2.5, inf]",
         );
+        check("0.65", "\"1.5\"", "occupied_thresh must be a number from 0 to 1, not \"1.5\"");
+        check("0.05", "'nan'", "resolution must be a number of metres greater than 0, not \"nan\"");
     }
 
     #[test]

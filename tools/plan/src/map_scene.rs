@@ -7,7 +7,7 @@ use schemas::message::{FreeSpace, Refusal, SceneRequest, Task};
 use serde::de::IgnoredAny;
 
 /// Reads a `drive` scene that has no free space of its own: `map` is its free space.
-pub fn read_scene(text: &str, map: &FreeSpace) -> Result<SceneRequest, UnreadableScene> {
+pub(crate) fn read_scene(text: &str, map: &FreeSpace) -> Result<SceneRequest, UnreadableScene> {
     // The reader itself reports what is not an object.
     let fields = match serde_json::from_str::<BTreeMap<String, IgnoredAny>>(text) {
         Ok(fields) if !fields.is_empty() => fields,

@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plan::map;
-use schemas::message::{AxisBox, FreeSpace, Solid};
+use floor_plan::{CellState, FloorPlan, UnknownCells};
+use schemas::message::AxisBox;
 
 fn scenes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../recordings/scenes")
@@ -69,37 +69,33 @@ fn the_picture_is_what_is_drawn_here() {
     }
 }
 
-fn office() -> FreeSpace {
-    map::read(&scenes().join("office.yaml")).unwrap()
-}
-
-fn holds(cell: &AxisBox, [x, y]: [f64; 2]) -> bool {
-    let ([x0, y0, _], [x1, y1, _]) = (cell.min.padded(), cell.max.padded());
-    x0 < x && x < x1 && y0 < y && y < y1
+fn office() -> FloorPlan {
+    floor_plan::read(&scenes().join("office.yaml"), UnknownCells::Occupied).unwrap()
 }
 
 #[test]
 fn solids_are_where_walls_are_drawn_and_nothing_is_known() {
     let office = office();
-    let bounds = office.bounds.unwrap();
+    let bounds = office.free_space().bounds.unwrap();
     assert_eq!(bounds, AxisBox { min: [-1.0, -2.0].into(), max: [19.0, 12.0].into() });
-    let solids = office.solids.unwrap();
-    let solid = |x: f64, y: f64| {
-        let point = [x - 1.0, y - 2.0];
-        solids.iter().any(|solid| matches!(solid, Solid::Box(cells) if holds(cells, point)))
+    let state = |x: f64, y: f64| {
+        let [x, y] = office.frame().locate([x - 1.0, y - 2.0]);
+        office.grid().cell(x as usize, y as usize).unwrap()
     };
-    for (x, y, what) in [(0.25, 7.05, "unknown"), (0.65, 7.05, "wall"), (14.25, 11.25, "pillar")] {
-        assert!(solid(x, y), "{what}");
+    assert_eq!(state(0.25, 7.05), CellState::Unknown);
+    for (x, y, what) in [(0.65, 7.05, "wall"), (14.25, 11.25, "pillar")] {
+        assert_eq!(state(x, y), CellState::Occupied, "{what}");
     }
     for (x, y, what) in [(2.25, 1.05, "corridor"), (5.45, 8.75, "door"), (13.05, 12.05, "room")] {
-        assert!(!solid(x, y), "{what}");
+        assert_eq!(state(x, y), CellState::Free, "{what}");
     }
     // South and north are not mixed up: here is a door above, none below.
-    assert!(!solid(5.45, 8.75) && solid(5.45, 5.25));
+    assert_eq!(state(5.45, 5.25), CellState::Occupied);
 }
 
 #[test]
-fn the_floor_is_few_boxes() {
-    let solids = office().solids.unwrap().len();
-    assert!(solids < 40, "{solids} boxes");
+fn the_floor_is_few_vertices() {
+    let office = office();
+    // The pillar, and the ring of walls in two: 48 corners, and 4 more where it is cut.
+    assert_eq!((office.outlines().count(), office.outlines().vertices()), (3, 52));
 }

@@ -1,3 +1,0 @@
-//! Floor plans as free space, for `plan --map`.
-
-pub mod map;
