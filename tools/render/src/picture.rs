@@ -170,8 +170,8 @@ fn region(scene: &SceneRequest, world: &World, panels: &[Panel]) -> [Point; 2] {
                 motion.way_points().iter().for_each(|placement| reach.add(placement.position));
                 reach.corners().into_iter().for_each(|by| shape.grow(&mut extent, by));
             }
-            Mover::Robot { width, length } => {
-                let reach = drive::reach(&motion, *width, *length);
+            Mover::Robot(robot) => {
+                let reach = drive::reach(&motion, robot);
                 reach.into_iter().for_each(|corner| extent.add(corner));
             }
         }
@@ -246,8 +246,13 @@ impl Views<'_> {
             }
             match &world.mover {
                 Mover::Part(shape) => assembly::draw(out, plot, shape, answer),
+<<<<<<< HEAD
                 Mover::Robot { width, length } => {
                     drive::draw(out, plot, (*width, *length), scene, answer);
+=======
+                Mover::Robot(robot) => {
+                    drive::draw(out, plot, robot, scene, answer);
+>>>>>>> origin/main
                     let places = refusal.map(place::of).unwrap_or_default();
                     if !places.is_empty() {
                         free_space::place(out, plot, &places);

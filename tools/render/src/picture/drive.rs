@@ -10,7 +10,7 @@ use super::motion::{Course, Placement};
 use super::plot::{Pixel, Plot, ring};
 use super::style;
 use super::text::Px;
-use super::world::{Point, point};
+use super::world::{Point, Robot, point};
 
 /// The most guiding circles that are drawn.
 const MOST_CIRCLES: usize = 120;
@@ -22,14 +22,15 @@ const SMALL: f64 = 10.0;
 pub(super) fn draw(
     out: &mut String,
     plot: &Plot,
-    (width, length): (f64, f64),
+    robot: &Robot,
     scene: &SceneRequest,
     answer: Option<&Trajectory>,
 ) {
+    let (width, length) = (robot.width, robot.length());
     let motion = answer.map(Course::of);
     let rectangle = |out: &mut String, placement: &Placement, tick: bool| {
         out.push_str(r#"<path d=""#);
-        let corners = corners(placement, width, length);
+        let corners = corners(placement, robot);
         ring(out, corners.iter().map(|corner| plot.pixel(*corner)), 4);
         out.push_str(r#""/>"#);
         if tick {
@@ -120,8 +121,8 @@ pub(super) fn draw(
     if let (true, Some(placement)) = (clearance.value.is_finite(), motion.placement(clearance.at)) {
         let wall = point(&clearance.wall);
         busy.extend(along(plot, motion, still));
-        busy.extend(rim(&corners(&placement, width, length).map(|p| plot.pixel(p))));
-        let near = nearest(&placement, width, length, wall);
+        busy.extend(rim(&corners(&placement, robot).map(|p| plot.pixel(p))));
+        let near = nearest(&placement, robot, wall);
         mark::clearance(out, plot, wall, near, clearance.value, &busy);
     }
 }
@@ -192,22 +193,21 @@ fn turns(out: &mut String, plot: &Plot, motion: &Course, width: f64) {
 }
 
 /// Front left, rear left, rear right, front right.
-fn corners(placement: &Placement, width: f64, length: f64) -> [Point; 4] {
+fn corners(placement: &Placement, robot: &Robot) -> [Point; 4] {
     let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
     let [x, y, _] = placement.position;
-    [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(ahead, left)| {
-        let (a, l) = (ahead * length / 2.0, left * width / 2.0);
-        [x + a * cos - l * sin, y + a * sin + l * cos, 0.0]
-    })
+    let (front, rear, left) = (robot.front, -robot.rear, robot.width / 2.0);
+    [(front, left), (rear, left), (rear, -left), (front, -left)]
+        .map(|(a, l)| [x + a * cos - l * sin, y + a * sin + l * cos, 0.0])
 }
 
 /// The point of the robot that is closest to `target`.
-fn nearest(placement: &Placement, width: f64, length: f64, target: Point) -> Point {
+fn nearest(placement: &Placement, robot: &Robot, target: Point) -> Point {
     let (sin, cos) = (libm::sin(placement.heading), libm::cos(placement.heading));
     let [x, y, _] = placement.position;
     let (dx, dy) = (target[0] - x, target[1] - y);
-    let ahead = (dx * cos + dy * sin).clamp(-length / 2.0, length / 2.0);
-    let left = (dy * cos - dx * sin).clamp(-width / 2.0, width / 2.0);
+    let ahead = (dx * cos + dy * sin).clamp(-robot.rear, robot.front);
+    let left = (dy * cos - dx * sin).clamp(-robot.width / 2.0, robot.width / 2.0);
     [x + ahead * cos - left * sin, y + ahead * sin + left * cos, 0.0]
 }
 
@@ -231,7 +231,7 @@ fn between(motion: &Course, length: f64) -> Vec<f64> {
 }
 
 /// The corners of the robot at the poses it certainly reaches.
-pub(super) fn reach(motion: &Course, width: f64, length: f64) -> Vec<Point> {
+pub(super) fn reach(motion: &Course, robot: &Robot) -> Vec<Point> {
     let way_points = motion.way_points();
-    way_points.iter().flat_map(|placement| corners(placement, width, length)).collect()
+    way_points.iter().flat_map(|placement| corners(placement, robot)).collect()
 }

@@ -1,14 +1,26 @@
 //! A trajectory as a curve: the body's position and heading at an arc length.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use schemas::message::{Curve, Trajectory, Vector};
+use schemas::message::{Curve, Leg, Trajectory, Vector};
 
 use super::world::{Point, point};
 
 /// The curves of a motion with their lengths.
 pub struct Course {
+<<<<<<< HEAD
     curves: Vec<(Curve, f64)>,
+=======
+    pieces: Vec<Piece>,
+}
+
+#[derive(Clone, Copy)]
+struct Piece {
+    curve: Curve,
+    /// Metres.
+    length: f64,
+    reverse: bool,
+>>>>>>> origin/main
 }
 
 /// The reference point's position (in assembly tasks, the displacement), and the heading.
@@ -27,8 +39,12 @@ impl Course {
     /// The course of an answer, from its legs, or its samples if it has none.
     pub fn of(answer: &Trajectory) -> Self {
         if !answer.legs.is_empty() {
-            let curves = answer.legs.iter().map(|leg| (leg.curve, finite(leg.length).max(0.0)));
-            return Self { curves: curves.collect() };
+            let piece = |leg: &Leg| Piece {
+                curve: leg.curve,
+                length: finite(leg.length).max(0.0),
+                reverse: leg.reverse,
+            };
+            return Self { pieces: answer.legs.iter().map(piece).collect() };
         }
         let stride = answer.samples.len().div_ceil(MOST_SAMPLES).max(1);
         let samples: Vec<_> = answer.samples.iter().step_by(stride).collect();
@@ -36,9 +52,27 @@ impl Course {
             let [from, to] = [pair[0].position, pair[1].position].map(Vector::from);
             let (a, b) = (point(&from), point(&to));
             let length = libm::hypot(libm::hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
-            (Curve::Line { from, to, heading: pair[1].heading, turned: 0.0 }, length)
+            let curve = Curve::Line { from, to, heading: pair[1].heading, turned: 0.0 };
+            Piece { curve, length, reverse: false }
         };
-        Self { curves: samples.windows(2).map(line).collect() }
+        Self { pieces: samples.windows(2).map(line).collect() }
+    }
+
+    /// The stretches that are driven in reverse.
+    pub(super) fn reversed(&self) -> Vec<Self> {
+        let stretches = self.pieces.chunk_by(|a, b| a.reverse == b.reverse);
+        let reversed = stretches.filter(|stretch| stretch[0].reverse);
+        reversed.map(|stretch| Self { pieces: stretch.to_vec() }).collect()
+    }
+
+    /// The turns in place that can be seen: where, from which heading, and by how much.
+    pub(super) fn turns(&self) -> impl Iterator<Item = (Point, f64, f64)> {
+        self.curves().filter_map(|curve| match curve {
+            Curve::Turn { position, from_heading, sweep, .. } if sweep.abs() > 0.01 => {
+                Some((point(position), finite(*from_heading), finite(*sweep)))
+            }
+            _ => None,
+        })
     }
 
     /// The stretches that are driven in reverse.
@@ -69,40 +103,40 @@ impl Course {
     }
 
     pub(super) fn curves(&self) -> impl Iterator<Item = &Curve> {
-        self.curves.iter().map(|(curve, _)| curve)
+        self.pieces.iter().map(|piece| &piece.curve)
     }
 
     pub(super) fn length(&self) -> f64 {
-        self.curves.iter().map(|(_, length)| length).sum()
+        self.pieces.iter().map(|piece| piece.length).sum()
     }
 
     /// Begin of the first curve and end of each.
     pub(super) fn way_points(&self) -> Vec<Placement> {
-        let begin = self.curves.first().map(|(curve, _)| at(curve, 0.0));
-        begin.into_iter().chain(self.curves().map(|curve| at(curve, 1.0))).collect()
+        let begin = self.pieces.first().map(|piece| piece.at(0.0));
+        begin.into_iter().chain(self.pieces.iter().map(|piece| piece.at(1.0))).collect()
     }
 
     /// The arc length at the end of each curve.
     pub(super) fn ends(&self) -> Vec<f64> {
-        let sum = |total: &mut f64, (_, length): &(Curve, f64)| {
-            *total += length;
+        let sum = |total: &mut f64, piece: &Piece| {
+            *total += piece.length;
             Some(*total)
         };
-        self.curves.iter().scan(0.0, sum).collect()
+        self.pieces.iter().scan(0.0, sum).collect()
     }
 
     /// Where the body is at this arc length.
     pub(super) fn placement(&self, at_length: f64) -> Option<Placement> {
         let mut left = finite(at_length).max(0.0);
-        for (curve, length) in &self.curves {
-            if left <= *length && *length > 0.0 {
-                return Some(at(curve, left / length));
+        for piece in &self.pieces {
+            if left <= piece.length && piece.length > 0.0 {
+                return Some(piece.at(left / piece.length));
             }
-            left -= length;
+            left -= piece.length;
         }
         match at_length > 0.0 {
-            true => self.curves.last().map(|(curve, _)| at(curve, 1.0)),
-            false => self.curves.first().map(|(curve, _)| at(curve, 0.0)),
+            true => self.pieces.last().map(|piece| piece.at(1.0)),
+            false => self.pieces.first().map(|piece| piece.at(0.0)),
         }
     }
 
@@ -110,6 +144,7 @@ impl Course {
     /// from the reference point moves further than about `step` from one to the next (metres).
     pub fn placements(&self, step: f64, reach: f64) -> impl Iterator<Item = Placement> {
         const MOST: f64 = 1e6;
+<<<<<<< HEAD
         self.curves.iter().flat_map(move |(curve, length)| {
             let angle = match curve {
                 Curve::Line { turned, .. } => *turned,
@@ -118,19 +153,30 @@ impl Course {
             let way = length + finite(angle).abs() * reach;
             let steps = (way / step).ceil().clamp(1.0, MOST) as u32;
             (0..=steps).map(move |index| at(curve, f64::from(index) / f64::from(steps)))
+=======
+        self.pieces.iter().flat_map(move |piece| {
+            let angle = match piece.curve {
+                Curve::Line { turned, .. } => turned,
+                Curve::Arc { sweep, .. } | Curve::Turn { sweep, .. } => sweep,
+            };
+            let way = piece.length + finite(angle).abs() * reach;
+            let steps = (way / step).ceil().clamp(1.0, MOST) as u32;
+            (0..=steps).map(move |index| piece.at(f64::from(index) / f64::from(steps)))
+>>>>>>> origin/main
         })
     }
 
     /// The middle of the longest straight curve and the direction there.
     pub(super) fn longest_line(&self) -> Option<(Point, Point)> {
-        let lines = self.curves.iter().filter_map(|(curve, length)| match curve {
-            Curve::Line { from, to, .. } => Some((point(from), point(to), *length)),
+        let lines = self.pieces.iter().filter_map(|piece| match &piece.curve {
+            Curve::Line { from, to, .. } => Some((point(from), point(to), piece.length)),
             _ => None,
         });
         lines.max_by(|a, b| a.2.total_cmp(&b.2)).map(|(from, to, _)| (from, to))
     }
 }
 
+<<<<<<< HEAD
 /// Whether the body's heading points away from where it goes as the curve begins.
 fn is_reverse(curve: &Curve) -> bool {
     match curve {
@@ -144,6 +190,23 @@ fn is_reverse(curve: &Curve) -> bool {
 }
 
 /// The state after a part (0 to 1) of a curve.
+=======
+impl Piece {
+    /// The state after a part (0 to 1) of it.
+    fn at(&self, part: f64) -> Placement {
+        let placement = at(&self.curve, part);
+        match self.curve {
+            // An arc's own heading is that of driving forwards.
+            Curve::Arc { .. } if self.reverse => {
+                Placement { heading: placement.heading + PI, ..placement }
+            }
+            _ => placement,
+        }
+    }
+}
+
+/// The state after a part (0 to 1) of a curve that is driven forwards.
+>>>>>>> origin/main
 fn at(curve: &Curve, part: f64) -> Placement {
     match curve {
         Curve::Line { from, to, heading, turned } => {

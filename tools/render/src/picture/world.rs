@@ -17,13 +17,26 @@ pub(super) enum Shape {
 pub(super) enum Mover {
     /// Translates; as it is in the assembled state.
     Part(Shape),
-    /// Drives and turns about its centre.
-    Robot {
-        /// Across the heading.
-        width: f64,
-        /// Along the heading.
-        length: f64,
-    },
+    /// Drives and turns about its reference point.
+    Robot(Robot),
+}
+
+/// A rectangle about a reference point, metres.
+#[derive(Clone, Copy)]
+pub(super) struct Robot {
+    /// Across the heading.
+    pub(super) width: f64,
+    /// From the reference point to the front end.
+    pub(super) front: f64,
+    /// From the reference point to the rear end.
+    pub(super) rear: f64,
+}
+
+impl Robot {
+    /// Along the heading.
+    pub(super) fn length(&self) -> f64 {
+        self.front + self.rear
+    }
 }
 
 /// A scene.
@@ -114,10 +127,11 @@ impl World {
                 Mover::Part(Shape::Polygon(vertices.iter().map(point).collect()))
             }
             Body::Box(sides) => Mover::Part(Shape::Box(corners(sides))),
-            Body::Footprint(footprint) => Mover::Robot {
+            Body::Footprint(footprint) => Mover::Robot(Robot {
                 width: tame(footprint.width()).abs(),
-                length: tame(footprint.front() + footprint.rear()).abs(),
-            },
+                front: tame(footprint.front()).abs(),
+                rear: tame(footprint.rear()).abs(),
+            }),
         };
         let boxes = space.channels.iter().flatten();
         let three = boxes.chain(&space.bounds).any(|sides| sides.min.dimension() == 3)

@@ -50,7 +50,7 @@ fn legs_in_reverse_have_their_own_colour() {
     let answer = reply.answers.as_mut().unwrap()[0].as_mut().unwrap();
     let (from, to) = (Vector::from([2.0, 3.0]), Vector::from([3.0, 3.0]));
     let curve = Curve::Line { from, to, heading: 3.0, turned: 0.0 };
-    answer.legs.insert(0, Leg { curve, length: 1.0, ..answer.legs[0] });
+    answer.legs.insert(0, Leg { curve, length: 1.0, reverse: true, ..answer.legs[0] });
     let picture = sound(&scene, &reply);
     let document = Document::parse(&picture).unwrap();
     assert_eq!(of_class(&document, "reverse").len(), 1);
@@ -99,4 +99,26 @@ fn the_wall_that_a_robot_stands_in_is_marked() {
     let inside = ROOMS.replace("[2, 3]", "[4.7, 1]");
     let [[x, _]] = places(&inside, ErrorCode::BodyOutsideFreeSpace)[..] else { panic!("one") };
     assert!((4.9..=5.1).contains(&x), "{x}");
+}
+
+#[test]
+fn a_robot_in_reverse_is_drawn_about_its_reference_point() {
+    let offset = ROOMS.replace("\"length\": 0.9", "\"front\": 0.2, \"rear\": 0.8");
+    let (scene, mut reply) = planned(&offset);
+    let answer = reply.answers.as_mut().unwrap()[0].as_mut().unwrap();
+    // Half around to the left, backwards: it begins at (3, 3), heading down.
+    let center = Vector::from([2.0, 3.0]);
+    let curve = Curve::Arc { center, radius: 1.0, start_angle: 0.0, sweep: 3.0 };
+    answer.legs = vec![Leg { curve, length: 3.0, reverse: true, ..answer.legs[0] }];
+    let picture = sound(&scene, &reply);
+    let document = Document::parse(&picture).unwrap();
+    assert!(texts(&document).iter().any(|text| text == "path of the reference point"));
+    let robot = of_class(&document, "way-points")[0].first_child().unwrap();
+    let data = robot.attribute("d").unwrap().trim_start_matches('M').trim_end_matches('Z');
+    let numbers: Vec<f64> = data.split([' ', 'L']).map(|text| text.parse().unwrap()).collect();
+    let scale = (numbers[0] - numbers[4]).abs() / 0.6;
+    // Front left first: 0.2 m below the reference point, the rear left 0.8 m above it.
+    assert!(((numbers[1] - numbers[3]) / scale - 1.0).abs() < 0.01, "{numbers:?}");
+    let path = path_numbers(&document, 0);
+    assert!(((numbers[1] - path[1]) / scale - 0.2).abs() < 0.01, "{numbers:?} about {path:?}");
 }
