@@ -48,11 +48,7 @@ pub(crate) fn passed_over(
     let sides = Sides {
         front: footprint.front() / cell,
         rear: footprint.rear() / cell,
-<<<<<<< HEAD
-        half_width: footprint.width() / 2.0 / cell,
-=======
         half_width: footprint.width() / cell / 2.0,
->>>>>>> origin/main
     };
     let reach = libm::hypot(sides.front.max(sides.rear), sides.half_width) * cell;
     let (mut passed, mut first) = (BTreeSet::new(), None);

@@ -139,13 +139,9 @@ impl Map {
     fn read(path: &Path, arguments: &Arguments) -> Result<Self, MapError> {
         let plan = floor_plan::read(path, arguments.unknown.into())?;
         let unknown = arguments.svg.as_ref().map(|_| plan.unknown()).unwrap_or_default();
-<<<<<<< HEAD
         let mut free_space = plan.free_space();
         free_space.named = Some(free_space.digest());
         Ok(Self { free_space, unknown, plan })
-=======
-        Ok(Self { free_space: plan.free_space(), unknown, plan })
->>>>>>> origin/main
     }
 }
 

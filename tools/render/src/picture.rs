@@ -246,13 +246,8 @@ impl Views<'_> {
             }
             match &world.mover {
                 Mover::Part(shape) => assembly::draw(out, plot, shape, answer),
-<<<<<<< HEAD
-                Mover::Robot { width, length } => {
-                    drive::draw(out, plot, (*width, *length), scene, answer);
-=======
                 Mover::Robot(robot) => {
                     drive::draw(out, plot, robot, scene, answer);
->>>>>>> origin/main
                     let places = refusal.map(place::of).unwrap_or_default();
                     if !places.is_empty() {
                         free_space::place(out, plot, &places);

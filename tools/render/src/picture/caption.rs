@@ -231,16 +231,10 @@ pub(super) fn legend(scene: &SceneRequest, shown: &Shown) -> Vec<(Sign, &'static
     add(true, Sign::Body, if drive { "start" } else { "assembled" });
     add(drive, Sign::Goal, "goal");
     add(shown.motion, Sign::Ghost, if drive { "ends of legs" } else { "way-points" });
-<<<<<<< HEAD
-    let path = match drive {
-        true => "path of the centre",
-        false => "path of the first vertex",
-=======
     let path = match &scene.body {
         Body::Footprint(Footprint::Offset { .. }) => "path of the reference point",
         Body::Footprint(_) => "path of the centre",
         _ => "path of the first vertex",
->>>>>>> origin/main
     };
     add(shown.motion, Sign::Path, path);
     add(shown.reverse, Sign::Reverse, "in reverse");

@@ -8,9 +8,6 @@ use super::world::{Point, point};
 
 /// The curves of a motion with their lengths.
 pub struct Course {
-<<<<<<< HEAD
-    curves: Vec<(Curve, f64)>,
-=======
     pieces: Vec<Piece>,
 }
 
@@ -20,7 +17,6 @@ struct Piece {
     /// Metres.
     length: f64,
     reverse: bool,
->>>>>>> origin/main
 }
 
 /// The reference point's position (in assembly tasks, the displacement), and the heading.
@@ -75,33 +71,6 @@ impl Course {
         })
     }
 
-    /// The stretches that are driven in reverse.
-    pub(super) fn reversed(&self) -> Vec<Self> {
-        let mut stretches: Vec<Self> = Vec::new();
-        let mut before = false;
-        for (curve, length) in &self.curves {
-            let reverse = is_reverse(curve);
-            if reverse && !before {
-                stretches.push(Self { curves: Vec::new() });
-            }
-            if let (true, Some(stretch)) = (reverse, stretches.last_mut()) {
-                stretch.curves.push((*curve, *length));
-            }
-            before = reverse;
-        }
-        stretches
-    }
-
-    /// The turns in place that can be seen: where, from which heading, and by how much.
-    pub(super) fn turns(&self) -> impl Iterator<Item = (Point, f64, f64)> {
-        self.curves().filter_map(|curve| match curve {
-            Curve::Turn { position, from_heading, sweep, .. } if sweep.abs() > 0.01 => {
-                Some((point(position), finite(*from_heading), finite(*sweep)))
-            }
-            _ => None,
-        })
-    }
-
     pub(super) fn curves(&self) -> impl Iterator<Item = &Curve> {
         self.pieces.iter().map(|piece| &piece.curve)
     }
@@ -144,16 +113,6 @@ impl Course {
     /// from the reference point moves further than about `step` from one to the next (metres).
     pub fn placements(&self, step: f64, reach: f64) -> impl Iterator<Item = Placement> {
         const MOST: f64 = 1e6;
-<<<<<<< HEAD
-        self.curves.iter().flat_map(move |(curve, length)| {
-            let angle = match curve {
-                Curve::Line { turned, .. } => *turned,
-                Curve::Arc { sweep, .. } | Curve::Turn { sweep, .. } => *sweep,
-            };
-            let way = length + finite(angle).abs() * reach;
-            let steps = (way / step).ceil().clamp(1.0, MOST) as u32;
-            (0..=steps).map(move |index| at(curve, f64::from(index) / f64::from(steps)))
-=======
         self.pieces.iter().flat_map(move |piece| {
             let angle = match piece.curve {
                 Curve::Line { turned, .. } => turned,
@@ -162,7 +121,6 @@ impl Course {
             let way = piece.length + finite(angle).abs() * reach;
             let steps = (way / step).ceil().clamp(1.0, MOST) as u32;
             (0..=steps).map(move |index| piece.at(f64::from(index) / f64::from(steps)))
->>>>>>> origin/main
         })
     }
 
@@ -176,21 +134,6 @@ impl Course {
     }
 }
 
-<<<<<<< HEAD
-/// Whether the body's heading points away from where it goes as the curve begins.
-fn is_reverse(curve: &Curve) -> bool {
-    match curve {
-        Curve::Line { from, to, heading, turned } => {
-            let (a, b) = (point(from), point(to));
-            let heading = finite(heading - turned);
-            libm::cos(heading) * (b[0] - a[0]) + libm::sin(heading) * (b[1] - a[1]) < 0.0
-        }
-        Curve::Arc { .. } | Curve::Turn { .. } => false,
-    }
-}
-
-/// The state after a part (0 to 1) of a curve.
-=======
 impl Piece {
     /// The state after a part (0 to 1) of it.
     fn at(&self, part: f64) -> Placement {
@@ -206,7 +149,6 @@ impl Piece {
 }
 
 /// The state after a part (0 to 1) of a curve that is driven forwards.
->>>>>>> origin/main
 fn at(curve: &Curve, part: f64) -> Placement {
     match curve {
         Curve::Line { from, to, heading, turned } => {
