@@ -5,11 +5,12 @@
 //! the frame of the start pose, so that a scene that is moved or turned has the same answer.
 
 use super::Errand;
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, Held, Spent};
 use crate::motion::Curve;
 
-use explore::{Headings, Manner};
+use explore::Manner;
 use field::Field;
+use headings::Headings;
 use passage::Axis;
 use probe::Probe;
 use steer::Steering;
@@ -18,6 +19,7 @@ use way::Way;
 mod car;
 mod explore;
 mod field;
+mod headings;
 mod passage;
 mod probe;
 mod shorten;
@@ -51,7 +53,7 @@ const FINE: Level = Level { bin: 0.125, headings: 16, is_fine: true, most_steps:
 const BINS: [f64; 2] = [0.25, 0.125];
 
 /// Steps of the budget after which each of them ends.
-const MOST_STEPS: u64 = 40_000_000;
+const MOST_STEPS: u64 = 20_000_000;
 
 /// Its least radius, as a part of the footprint's width.
 const LEAST_RADIUS: f64 = 0.5;
@@ -104,9 +106,7 @@ pub(super) fn aligned(
         return Ok(None);
     }
     let probe = Probe::new(errand, least, budget);
-    if !lay_out(&probe, memory)? {
-        return Ok(None);
-    }
+    let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
     straight(&probe, COARSE, memory)
 }
 
@@ -120,9 +120,7 @@ pub(super) fn search(
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
     let probe = Probe::new(errand, least, budget);
-    if !lay_out(&probe, memory)? {
-        return Ok(None);
-    }
+    let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
     if errand.abilities.turn_in_place {
         let found = straight(&probe, FINE, memory)?;
         if found.is_some() {
@@ -132,14 +130,14 @@ pub(super) fn search(
     steered(&probe, memory)
 }
 
-/// The way for a disc and the narrow passages; returns whether there is a way for a disc.
-fn lay_out(probe: &Probe<'_>, memory: &mut LatticeMemory) -> Result<bool, Spent> {
+/// The way for a disc, and the narrow passages; `None` if there is no way for a disc.
+fn lay_out<'a>(probe: &Probe<'a>, memory: &mut LatticeMemory) -> Result<Option<Held<'a>>, Spent> {
     memory.resolution = None;
-    let is_reached = memory.field.build(probe)?;
-    if is_reached {
+    let held = memory.field.build(probe)?;
+    if held.is_some() {
         passage::find(probe, &memory.field, &mut memory.axes)?;
     }
-    Ok(is_reached)
+    Ok(held)
 }
 
 fn straight(

@@ -4,7 +4,7 @@
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-use super::explore::Open;
+use super::explore::{ANY, OPEN, OPEN_BINS, Open, pose_key};
 use super::field::{DETOUR, Field};
 use super::probe::Probe;
 use super::steer::{Along, Piece, Place, Steering, Word};
@@ -25,10 +25,8 @@ const STEPS_PER_MOVE: u64 = 30;
 
 const GOAL: u64 = u64::MAX;
 
-/// Where the robot can turn anywhere, poses are alike whatever their heading.
-const ANY: u64 = 0xFFFF;
-
-/// There it drives on in these parts of a turn.
+/// Where the robot can turn anywhere, poses are alike whatever their heading, and it drives on in
+/// these parts of a turn.
 const WAYS_ON: u16 = 32;
 
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +38,7 @@ struct Node {
     before: u32,
     key: u64,
     can_turn: bool,
+    is_open: bool,
 }
 
 /// Memory of a search.
@@ -116,6 +115,7 @@ pub(super) fn explore(
             until_shot -= 1;
         }
         if node.can_turn {
+            let size = if node.is_open { OPEN_BINS * size } else { size };
             search.drive_anywhere(index, &node, size)?;
         } else {
             search.drive_on(index, &node, size, turn)?;
@@ -171,10 +171,7 @@ impl Explore<'_, '_> {
         }
         let word = self.steering.word(pieces);
         let cost = node.cost + word.cost + self.steering.cost_of_change(&node.word, &word);
-        let is_known = [ANY, self.slot(&place)]
-            .into_iter()
-            .all(|slot| self.is_beaten(self.key(&place, slot), cost));
-        if is_known
+        if self.is_beaten(pose_key(&place.at, self.bin, self.slot(&place)), cost)
             || self.way_left(&place.at).is_infinite()
             || self.steering.drive(&node.place, word.pieces(), self.probe)?.is_none()
         {
@@ -184,12 +181,19 @@ impl Explore<'_, '_> {
     }
 
     fn reach(&mut self, before: u32, cost: f64, (place, word): (Place, Word)) -> Result<(), Spent> {
-        let can_turn = self.steering.turn.is_some()
-            && (self.field.clear_at_least(self.probe, &place.at)? >= self.probe.swing
-                || self.probe.can_turn(&place.at)?);
-        let key = self.key(&place, if can_turn { ANY } else { self.slot(&place) });
+        let (mut can_turn, mut is_open) = (false, false);
+        if self.steering.turn.is_some() {
+            let clear = self.field.clear_at_least(self.probe, &place.at)?;
+            is_open = self.field.is_open(clear, self.probe);
+            can_turn = clear >= self.probe.swing || self.probe.can_turn(&place.at)?;
+        }
+        let key = match (can_turn, is_open) {
+            (true, true) => pose_key(&place.at, OPEN_BINS * self.bin, OPEN),
+            (true, false) => pose_key(&place.at, self.bin, ANY),
+            _ => pose_key(&place.at, self.bin, self.slot(&place)),
+        };
         if !self.is_beaten(key, cost) {
-            self.push(Node { place, word, cost, before, key, can_turn });
+            self.push(Node { place, word, cost, before, key, can_turn, is_open });
         }
         Ok(())
     }
@@ -215,8 +219,9 @@ impl Explore<'_, '_> {
         if let Some((word, place)) = found {
             let cost = node.cost + word.cost + self.steering.cost_of_change(&node.word, &word);
             if !self.is_beaten(GOAL, cost) {
-                let (before, key, can_turn) = (index, GOAL, false);
-                self.push(Node { place, word, cost, before, key, can_turn });
+                let (before, key) = (index, GOAL);
+                let (can_turn, is_open) = (false, false);
+                self.push(Node { place, word, cost, before, key, can_turn, is_open });
             }
         }
         Ok(())
@@ -241,14 +246,9 @@ impl Explore<'_, '_> {
         straight.max(self.field.to_goal(at) / DETOUR - self.field.step)
     }
 
-    fn key(&self, place: &Place, slot: u64) -> u64 {
-        let part = |x: f64| libm::round(x / self.bin) as i64 as u64 & 0x7F_FFFF;
-        part(place.at.x) << 39 | part(place.at.y) << 16 | slot
-    }
-
-    fn slot(&self, place: &Place) -> u64 {
+    fn slot(&self, place: &Place) -> u16 {
         let turn = libm::round(place.heading / TAU * f64::from(HEADINGS)) as i64;
-        turn.rem_euclid(i64::from(HEADINGS)) as u64
+        turn.rem_euclid(i64::from(HEADINGS)) as u16
     }
 
     fn track_to(&self, goal: u32) -> Track {

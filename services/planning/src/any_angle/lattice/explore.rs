@@ -12,9 +12,10 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::f64::consts::{PI, SQRT_2, TAU};
+use std::f64::consts::SQRT_2;
 
 use super::field::{DETOUR, Field};
+use super::headings::{Headings, SAME_HEADING};
 use super::passage::Axis;
 use super::probe::Probe;
 use super::table::{NOTHING, Table};
@@ -22,20 +23,17 @@ use super::way::Way;
 use crate::budget::{Cap, Held, Spent};
 use crate::driving::shortest_turn;
 use crate::geometry::{Vector, unit};
-use crate::motion::wrapped;
-
-/// Headings of narrow passages beside those.
-const MOST_PASSAGES: usize = 16;
-
-/// Headings closer than this are one, radians.
-const SAME_HEADING: f64 = 1e-6;
 
 /// Steps of the budget that a node takes, and an offer of one.
 const STEPS_PER_NODE: u64 = 10;
 const STEPS_PER_OFFER: u64 = 3;
 
 /// Any heading: the robot can turn anywhere there.
-const ANY: u16 = u16::MAX;
+pub(super) const ANY: u16 = u16::MAX;
+
+/// The same in the open, where bins are larger by this factor.
+pub(super) const OPEN: u16 = ANY - 1;
+pub(super) const OPEN_BINS: f64 = 4.0;
 
 /// The key of the goal; those of stations have the highest bit and their index.
 const GOAL: u64 = u64::MAX;
@@ -52,43 +50,6 @@ const WAY_OUT: f64 = 16.0;
 
 /// In a narrow place the robot turns by no more than this towards a station or the goal, radians.
 const SMALL_TURN: f64 = 0.5;
-
-/// The headings of a search, radians in [0, 2 pi), in order.
-#[derive(Debug, Default)]
-pub(super) struct Headings {
-    pub(super) all: Vec<f64>,
-}
-
-impl Headings {
-    /// So many even parts of a turn from the start's heading, the goal's heading, and those of
-    /// the first passages.
-    pub(super) fn set(&mut self, probe: &Probe<'_>, parts: u16, axes: &[Axis]) {
-        self.all.clear();
-        for part in 0..parts {
-            self.all.push(TAU * f64::from(part) / f64::from(parts));
-        }
-        if let Some(heading) = probe.goal_heading {
-            self.add(heading);
-            self.add(heading + PI);
-        }
-        let most = self.all.len() + 2 * MOST_PASSAGES;
-        for Axis { direction, .. } in axes {
-            if self.all.len() < most {
-                let heading = libm::atan2(direction.y, direction.x);
-                self.add(heading);
-                self.add(heading + PI);
-            }
-        }
-        self.all.sort_by(f64::total_cmp);
-    }
-
-    fn add(&mut self, heading: f64) {
-        let heading = heading - TAU * (heading / TAU).floor();
-        if self.all.iter().all(|other| wrapped(other - heading).abs() > SAME_HEADING) {
-            self.all.push(heading);
-        }
-    }
-}
 
 /// A place that is not met by chance: an end of a passage, or a place before a narrow goal.
 #[derive(Debug, Clone, Copy)]
@@ -346,21 +307,20 @@ impl Explore<'_, '_> {
     fn drive_on(&mut self, index: u32, node: &Node, slot: usize, back: bool) -> Result<(), Spent> {
         self.probe.budget.step(STEPS_PER_OFFER)?;
         let heading = self.headings.all[slot];
-        let length = MOVE * self.manner.bin;
+        let length = MOVE * self.bin(node.clear);
         let way = unit(heading) * if back { -length } else { length };
         let at = node.at + way;
         let cost = self.cost_of_line(node, heading, back, length);
         if self.way_left(&at).is_infinite() {
             return Ok(());
         }
-        let free_key = self.key(&at, ANY);
         let swing = self.probe.swing;
         let mut clear = self.field.clear_at_least(self.probe, &at)?;
         if clear < swing {
             clear = self.probe.distance(&at, swing)?;
         }
         let (slot, key) = if clear >= swing {
-            (ANY, free_key)
+            (ANY, self.free_key(&at, clear))
         } else if self.manner.is_fine {
             (slot as u16, self.key(&at, slot as u16))
         } else {
@@ -569,8 +529,19 @@ impl Explore<'_, '_> {
     }
 
     fn key(&self, at: &Vector<2>, slot: u16) -> u64 {
-        let place = |x: f64| libm::round(x / self.manner.bin) as i64 as u64 & 0x7F_FFFF;
-        place(at.x) << 39 | place(at.y) << 16 | u64::from(slot)
+        pose_key(at, self.manner.bin, slot)
+    }
+
+    /// The key of a place where the robot can turn.
+    fn free_key(&self, at: &Vector<2>, clear: f64) -> u64 {
+        let is_open = self.field.is_open(clear, self.probe);
+        pose_key(at, self.bin(clear), if is_open { OPEN } else { ANY })
+    }
+
+    /// Side of a bin, metres.
+    fn bin(&self, clear: f64) -> f64 {
+        let is_open = self.field.is_open(clear, self.probe);
+        if is_open { OPEN_BINS * self.manner.bin } else { self.manner.bin }
     }
 
     fn can_reverse(&self) -> bool {
@@ -597,4 +568,10 @@ impl Explore<'_, '_> {
         way.backs.reverse();
         way
     }
+}
+
+/// The key of a bin.
+pub(super) fn pose_key(at: &Vector<2>, bin: f64, slot: u16) -> u64 {
+    let place = |x: f64| libm::round(x / bin) as i64 as u64 & 0x7F_FFFF;
+    place(at.x) << 39 | place(at.y) << 16 | u64::from(slot)
 }

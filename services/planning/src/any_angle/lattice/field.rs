@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::probe::Probe;
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, Held, Spent};
 use crate::geometry::Vector;
 use crate::geometry::distance::distance_segment_segment;
 
@@ -16,6 +16,13 @@ const MOST_CELLS: f64 = 2e6;
 
 /// The search goes this much farther than to the start, so that detours are known as well.
 const BEYOND: f64 = 1.5;
+
+/// Distances are known up to the turning circle's radius and so many cells.
+const REACH: f64 = 4.0;
+
+/// With so many cells around the turning circle a place is open: poses need not be told apart
+/// finely there.
+const OPEN: f64 = 2.5;
 
 /// Steps of the budget that a cell, and one of its neighbours, takes.
 const STEPS_PER_CELL: u64 = 8;
@@ -95,11 +102,11 @@ impl Field {
     }
 
     /// Covers all walls, the start and the goal, and finds the way from everywhere to the goal.
-    /// Returns whether there is one from the start.
-    pub(super) fn build(&mut self, probe: &Probe<'_>) -> Result<bool, Spent> {
-        self.lay_out(probe)?;
+    /// `None` if there is none from the start; otherwise the memory that it takes meanwhile.
+    pub(super) fn build<'a>(&mut self, probe: &Probe<'a>) -> Result<Option<Held<'a>>, Spent> {
+        let held = self.lay_out(probe)?;
         self.search(probe)?;
-        Ok(self.to_goal(&Vector::zeros()).is_finite())
+        Ok(self.to_goal(&Vector::zeros()).is_finite().then_some(held))
     }
 
     /// The least way from a point to the goal, metres; infinite if none is known.
@@ -118,7 +125,12 @@ impl Field {
         Ok(self.clear(probe, cell)? - apart)
     }
 
-    fn lay_out(&mut self, probe: &Probe<'_>) -> Result<(), Spent> {
+    /// Whether a place is open if its distance from the walls is at least this.
+    pub(super) fn is_open(&self, clear: f64, probe: &Probe<'_>) -> bool {
+        clear >= probe.swing + OPEN * self.step
+    }
+
+    fn lay_out<'a>(&mut self, probe: &Probe<'a>) -> Result<Held<'a>, Spent> {
         let walls = probe.errand.walls.as_slice();
         probe.budget.step(walls.len() as u64)?;
         let (mut low, mut high) = (Vector::<2>::zeros(), Vector::<2>::zeros());
@@ -138,13 +150,14 @@ impl Field {
         }
         let cells = (self.size[0] * self.size[1]) as usize;
         probe.budget.step(cells as u64 / 8)?;
-        self.reach = probe.swing + 2.0 * self.step;
+        let held = Held::new(probe.budget, 2 * cells * size_of::<f64>())?;
+        self.reach = probe.swing + REACH * self.step;
         self.clear.clear();
         self.clear.resize(cells, f64::NAN);
         self.to_goal.clear();
         self.to_goal.resize(cells, f64::INFINITY);
         self.heap.clear();
-        Ok(())
+        Ok(held)
     }
 
     fn cell(&self, point: &Vector<2>) -> Option<usize> {

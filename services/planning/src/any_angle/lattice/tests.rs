@@ -429,6 +429,11 @@ fn spent_budget_ends_a_search() {
         let budget = Budget::new(limits);
         let spent = search(errand, 0.0, &mut LatticeMemory::default(), &budget);
         assert!(matches!(spent, Err(Spent::Limit { most: 20_000, .. })));
+        let limits = crate::budget::Allowance { bytes: 20_000, ..crate::budget::Allowance::NONE };
+        let budget = Budget::new(limits);
+        let spent = search(errand, 0.0, &mut LatticeMemory::default(), &budget);
+        assert!(matches!(spent, Err(Spent::Limit { most: 20_000, .. })));
+        assert_eq!(budget.drawn(crate::budget::Cap::Bytes), 0);
     });
 }
 
