@@ -16,21 +16,26 @@ use crate::free_space::walls::Walls;
 use crate::geometry::Vector;
 use crate::motion::{Leg, Rung};
 
+mod arc_memo;
 mod backwards;
 mod bound;
 mod disc;
+mod drive;
 mod fuse;
 mod ladder;
 #[cfg_attr(not(test), expect(dead_code, reason = "the ladder does not call it yet"))]
 mod lattice;
+mod legs;
 mod measure;
+mod planner;
 mod refusal;
 mod safest;
 mod sight;
 mod taut;
 mod travelled;
 
-pub use ladder::{Planner, drive};
+pub use drive::drive;
+pub use planner::Planner;
 pub use travelled::channels_travelled;
 
 /// A robot, where it stands, and where it is to go.
@@ -100,7 +105,7 @@ pub enum Wish {
 
 /// A motion that was found.
 #[derive(Debug, Clone, Default)]
-pub struct Found {
+pub struct RobotMotion {
     /// The legs in travel order.
     pub legs: Vec<Leg<2>>,
     /// The clearance over every leg, metres; infinite without walls.
@@ -119,7 +124,7 @@ pub struct Found {
     pub is_complete: bool,
 }
 
-impl Found {
+impl RobotMotion {
     /// Whether all legs are of one rung.
     pub(crate) fn is_of(&self, rung: Rung) -> bool {
         self.legs.iter().all(|leg| leg.rung == Some(rung))

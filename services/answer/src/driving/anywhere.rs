@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use planning::any_angle::{self, Found, Planner, channels_travelled};
+use planning::any_angle::{self, RobotMotion, Planner, channels_travelled};
 use planning::free_space::floor::{Floor, FloorError};
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;
@@ -32,7 +32,7 @@ pub(super) struct Memory {
     planner: Planner,
     /// The floor that the planner knows.
     floor: Option<Arc<Floor>>,
-    found: Found,
+    found: RobotMotion,
     /// The greatest free clearance, once found, metres.
     safest: Option<f64>,
     /// The channels travelled.

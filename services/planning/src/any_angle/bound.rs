@@ -1,8 +1,8 @@
 //! The certificate of a motion: its free clearance, and how short a motion that keeps it can be.
 
 use super::disc::Disc;
-use super::ladder::Planner;
-use super::{Errand, Found, NoMotion, PRECISION};
+use super::planner::Planner;
+use super::{Errand, RobotMotion, NoMotion, PRECISION};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::free_clearance;
 use crate::driving::Pose;
@@ -12,7 +12,7 @@ use crate::motion::Curve;
 pub(super) fn certify(
     errand: &Errand<'_>,
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
     measure_free_clearance(errand, found, budget)?;
@@ -52,7 +52,7 @@ pub(super) fn certify(
 /// Measures the free clearance of a motion.
 pub(super) fn measure_free_clearance(
     errand: &Errand<'_>,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), Spent> {
     let Errand { footprint, start, goal, walls, .. } = errand;

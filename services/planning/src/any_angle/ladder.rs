@@ -1,29 +1,16 @@
 //! The rungs, from the taut path to the lattice, and which of their motions is taken.
 
-use std::f64::consts::FRAC_PI_2;
 use std::mem;
 
 use super::disc::Disc;
-use super::lattice::{self, LatticeMemory};
+use super::lattice;
+use super::legs::legs_of;
 use super::measure::{Contact, cost, measure};
-use super::taut::{TautPath, TautSearch};
-use super::{
-    Abilities, CONTACT, Errand, Found, NoMotion, PRECISION, Wish, backwards, bound, fuse, refusal,
-    safest,
-};
+use super::planner::Planner;
+use super::taut::TautPath;
+use super::{Abilities, Errand, NoMotion, PRECISION, RobotMotion, backwards, bound, fuse, refusal};
 use crate::budget::{Budget, Spent};
-use crate::clearance::rectangle::clearance_rectangle_pose;
-use crate::driving::rules::TurnRule;
-use crate::driving::{SAME_HEADING, StartTurn, shortest_turn};
-use crate::free_space::floor::{NONE, Reflex};
-use crate::geometry::{Direction, Sign, Vector};
-use crate::motion::{Curve, Leg, Rule, Rung, wrapped};
-
-/// Lines up to this length are left out, metres: the arcs beside them touch.
-const NO_LINE: f64 = 1e-12;
-
-/// The least gap from corners, as a part of the floor's width.
-const LEAST_GAP: f64 = 1e-9;
+use crate::motion::{Curve, Leg, Rung};
 
 /// Radii tried between that of the taut path and that at which the robot can turn anywhere.
 const RADII: usize = 4;
@@ -42,77 +29,12 @@ pub(super) struct Target {
     pub(super) least: Option<f64>,
 }
 
-/// Memory that is used again from one motion to the next.
-#[derive(Debug, Default)]
-pub struct Planner {
-    pub(super) taut: TautSearch,
-    /// Corners with a radius of their own, metres.
-    radii: Vec<(u32, f64)>,
-    lattice: LatticeMemory,
-}
-
-impl Planner {
-    /// The memory that it holds, bytes.
-    pub fn bytes(&self) -> usize {
-        self.taut.bytes() + self.lattice.bytes()
-    }
-
-    /// To be called before it is used with another floor.
-    pub fn forget(&mut self) {
-        self.taut.forget();
-    }
-}
-
-/// Finds the motion that is wished for.
-pub fn drive(
-    errand: &Errand<'_>,
-    wish: Wish,
-    planner: &mut Planner,
-    found: &mut Found,
-    budget: &Budget<'_>,
-) -> Result<(), NoMotion> {
-    check_ends(errand, budget)?;
-    match wish {
-        Wish::Gap(gap) => shortest(
-            errand,
-            Target { gap, least: None, searches_poses: true },
-            planner,
-            found,
-            budget,
-        )?,
-        Wish::AtLeast(least) => {
-            // A disc that just touches can't be told from one that overlaps.
-            let gap = least.max(LEAST_GAP * errand.floor.extent());
-            let target = Target { gap, least: Some(least), searches_poses: true };
-            shortest(errand, target, planner, found, budget)?;
-        }
-        Wish::Safest => safest::safest(errand, planner, found, budget)?,
-    }
-    bound::certify(errand, planner, found, budget)
-}
-
-/// Refuses a start or a goal where the robot touches a wall.
-fn check_ends(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<(), NoMotion> {
-    let Errand { footprint, start, goal, walls, .. } = errand;
-    let ends = [(start.position, Some(start.heading), false), (goal.position, goal.heading, true)];
-    for (position, heading, at_goal) in ends {
-        let Some(heading) = heading else { continue };
-        let near = clearance_rectangle_pose(footprint, &position, heading, walls, budget)?;
-        if let Some(near) = near
-            && near.value <= CONTACT
-        {
-            return Err(NoMotion::Occupied { at_goal, wall: near.wall });
-        }
-    }
-    Ok(())
-}
-
 /// The least costly motion that keeps what is asked for: the taut one, or that of the rungs.
 pub(super) fn shortest(
     errand: &Errand<'_>,
     target: Target,
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
     let mut best = Best { cost: f64::INFINITY, motion: None, is_cut_short: false };
@@ -163,13 +85,13 @@ pub(super) fn shortest(
 /// The least costly of several motions.
 struct Best {
     cost: f64,
-    motion: Option<Found>,
+    motion: Option<RobotMotion>,
     /// Whether the budget ended before all were looked at.
     is_cut_short: bool,
 }
 
 impl Best {
-    fn offer(&mut self, errand: &Errand<'_>, found: &mut Found) {
+    fn offer(&mut self, errand: &Errand<'_>, found: &mut RobotMotion) {
         let cost = cost(errand, &found.legs);
         if cost < self.cost {
             self.cost = cost;
@@ -192,7 +114,7 @@ impl Best {
         }
     }
 
-    fn take(self, found: &mut Found) -> Result<(), NoMotion> {
+    fn take(self, found: &mut RobotMotion) -> Result<(), NoMotion> {
         if let Some(motion) = self.motion {
             *found = motion;
             found.is_complete = !self.is_cut_short;
@@ -206,7 +128,7 @@ fn would_reverse_help(
     errand: &Errand<'_>,
     target: Target,
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<bool, Spent> {
     let abilities = Abilities { reverse: true, ..errand.abilities };
@@ -225,7 +147,7 @@ fn poses(
     target: Target,
     rung: Rung,
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<bool, NoMotion> {
     let search = match rung {
@@ -258,7 +180,7 @@ fn one_way(
     errand: &Errand<'_>,
     target: Target,
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<bool, NoMotion> {
     found.gap = target.gap;
@@ -324,7 +246,7 @@ fn fits(
     errand: &Errand<'_>,
     target: Target,
     legs: Vec<Leg<2>>,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<Vec<Contact>, Spent> {
     let mut contacts = measure(errand, legs, found, budget)?;
@@ -354,7 +276,7 @@ fn wider(
     target: Target,
     (mut path, mut contacts): (TautPath, Vec<Contact>),
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<bool, Spent> {
     let least = errand.footprint.width() / 2.0 + target.gap;
@@ -425,85 +347,4 @@ fn corners_at(path: &TautPath, legs: &[Leg<2>], leg: usize, corners: &mut Vec<u3
         }
         (Curve::Arc { .. }, None) => {}
     }
-}
-
-/// The legs along a taut path.
-fn legs_of(errand: &Errand<'_>, path: &TautPath, rung: Rung) -> Vec<Leg<2>> {
-    let mut legs = Vec::with_capacity(2 * path.turns.len() + 3);
-    let leg = |curve, junction: Option<usize>| {
-        let rule = junction.and_then(|junction| {
-            let turn = &path.turns[junction];
-            let corner = (turn.vertex != NONE).then(|| errand.floor.corner(turn.vertex))??;
-            rule_at(corner, turn.circle.signed_radius)
-        });
-        Leg { curve, junction, rule, rung: Some(rung) }
-    };
-    let mut heading = wrapped(errand.start.heading);
-    let lines = path.turns.iter().map(|turn| &turn.arrival).chain([&path.last]);
-    for (index, line) in lines.enumerate() {
-        let has_line = line.length > NO_LINE;
-        let next = if has_line || !path.turns.is_empty() {
-            libm::atan2(line.direction.y, line.direction.x)
-        } else {
-            heading
-        };
-        let mut turned = 0.0;
-        if let Some(before) = index.checked_sub(1) {
-            let turn = &path.turns[before];
-            let sense = turn.circle.signed_radius.signum();
-            if turn.sweep > 0.0 {
-                let curve = Curve::Arc {
-                    center: turn.circle.center,
-                    radius: turn.circle.signed_radius.abs(),
-                    start_angle: wrapped(heading - sense * FRAC_PI_2),
-                    sweep: sense * turn.sweep,
-                    reverse: false,
-                };
-                legs.push(leg(curve, Some(before)));
-            }
-        } else {
-            let turn = shortest_turn(heading, next);
-            if turn.abs() > SAME_HEADING {
-                if has_line && errand.start_turn == StartTurn::WhileMoving {
-                    turned = turn;
-                } else {
-                    legs.push(leg(turn_in_place(errand.start.position, heading, turn), None));
-                }
-            }
-        }
-        if has_line {
-            let curve = Curve::Line { from: line.from, to: line.to, heading: next, turned };
-            legs.push(leg(curve, (index < path.turns.len()).then_some(index)));
-        }
-        heading = next;
-    }
-    if let Some(goal) = errand.goal.heading {
-        let turn = shortest_turn(heading, wrapped(goal));
-        if turn.abs() > SAME_HEADING {
-            legs.push(leg(turn_in_place(errand.goal.position, heading, turn), None));
-        }
-    }
-    if legs.is_empty() {
-        legs.push(leg(turn_in_place(errand.start.position, heading, 0.0), None));
-    }
-    legs
-}
-
-/// The rule of Table 2 for a turn about a corner, to the left if the radius is positive; `None`
-/// unless its walls are parallel to the axes.
-fn rule_at(corner: &Reflex, signed_radius: f64) -> Option<Rule> {
-    let sense = signed_radius.signum();
-    let along = |normal: &Vector<2>| {
-        // The robot touches the corner on its left, or on its right.
-        let way = Vector::<2>::new(-sense * normal.y, sense * normal.x);
-        let axis = (0..2).find(|axis| way[1 - axis] == 0.0)?;
-        Some(Direction { axis, sign: Sign::of(way[axis]) })
-    };
-    let [first, last] = &corner.normals;
-    let (from, to) = if sense > 0.0 { (first, last) } else { (last, first) };
-    TurnRule::of(along(from)?, along(to)?).map(TurnRule::name)
-}
-
-fn turn_in_place(position: Vector<2>, from_heading: f64, sweep: f64) -> Curve<2> {
-    Curve::Turn { position, from_heading, sweep }
 }

@@ -1,6 +1,6 @@
 //! What a motion measures: length, clearance, and whether it touches a wall.
 
-use super::{CONTACT, Errand, Found};
+use super::{CONTACT, Errand, RobotMotion};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::{self, Met};
 use crate::geometry::Vector;
@@ -19,7 +19,7 @@ pub(super) struct Contact {
 pub(super) fn measure(
     errand: &Errand<'_>,
     legs: Vec<Leg<2>>,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<Vec<Contact>, Spent> {
     found.legs = legs;

@@ -1,10 +1,10 @@
 //! Why there is no motion: the narrowest place of the widest way.
 
 use super::disc::{Disc, distance_to};
-use super::ladder::Planner;
+use super::planner::Planner;
 use super::measure::Contact;
 use super::taut::TautPath;
-use super::{Errand, Found, NoMotion};
+use super::{Errand, RobotMotion, NoMotion};
 use crate::budget::{Budget, Held, Spent};
 use crate::free_space::walls::Wall;
 use crate::geometry::Vector;
@@ -172,7 +172,7 @@ fn enclosed(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<NoMotion, Spent>
 }
 
 /// A disc can pass, and the robot can't.
-pub(super) fn blocked(errand: &Errand<'_>, found: &Found, contact: &Contact) -> NoMotion {
+pub(super) fn blocked(errand: &Errand<'_>, found: &RobotMotion, contact: &Contact) -> NoMotion {
     let turning =
         found.legs.get(contact.leg).is_some_and(|leg| matches!(leg.curve, Curve::Turn { .. }));
     let wall = contact.wall.unwrap_or(errand.start.position);

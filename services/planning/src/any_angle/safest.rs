@@ -2,9 +2,10 @@
 
 use std::mem;
 
-use super::ladder::{Planner, Target, shortest};
+use super::ladder::{Target, shortest};
+use super::planner::Planner;
 use super::measure::cost;
-use super::{Errand, Found, NoMotion, PRECISION, bound, refusal};
+use super::{Errand, RobotMotion, NoMotion, PRECISION, bound, refusal};
 use crate::budget::{Budget, Spent};
 
 /// Gaps looked at one by one, since more gap need not mean more clearance.
@@ -21,7 +22,7 @@ const MOST_POSES: usize = 3;
 pub(super) fn safest(
     errand: &Errand<'_>,
     planner: &mut Planner,
-    found: &mut Found,
+    found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
     let half = errand.footprint.width() / 2.0;
@@ -87,7 +88,7 @@ struct Search<'a, 'b> {
     errand: &'a Errand<'a>,
     planner: &'a mut Planner,
     /// Its free clearance and cost.
-    best: Option<(f64, f64, Found)>,
+    best: Option<(f64, f64, RobotMotion)>,
     refused: Option<NoMotion>,
     budget: &'a Budget<'b>,
 }
@@ -99,7 +100,7 @@ impl Search<'_, '_> {
 
     /// Whether there is such a motion; the best is kept.
     fn try_target(&mut self, target: Target) -> Result<bool, NoMotion> {
-        let mut found = Found::default();
+        let mut found = RobotMotion::default();
         match shortest(self.errand, target, self.planner, &mut found, self.budget) {
             Ok(()) => {}
             Err(NoMotion::Spent(Spent::Limit { .. })) if self.best.is_some() => {

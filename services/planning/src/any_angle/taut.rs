@@ -13,7 +13,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::disc::{Disc, FreeArc, distance_to, turned};
+use super::arc_memo::{ArcMemo, CornerArcs};
+use super::disc::{Disc, distance_to, turned};
 use super::sight::{Sight, way_through};
 use crate::budget::{Budget, Cap, Held, Spent};
 use crate::driving::tangent::{Circle, Tangent, tangent};
@@ -84,28 +85,28 @@ enum Step {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct Queued {
     /// No path that goes on from here is shorter, metres.
     least: f64,
     /// Index of its step; ties are taken in this order.
     step: u32,
 }
 
-impl PartialEq for Entry {
+impl PartialEq for Queued {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Entry {}
+impl Eq for Queued {}
 
-impl PartialOrd for Entry {
+impl PartialOrd for Queued {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Entry {
+impl Ord for Queued {
     /// The least first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.least.total_cmp(&self.least).then(other.step.cmp(&self.step))
@@ -115,7 +116,7 @@ impl Ord for Entry {
 /// A search in memory that is used again.
 #[derive(Debug, Default)]
 pub(super) struct TautSearch {
-    heap: BinaryHeap<Entry>,
+    heap: BinaryHeap<Queued>,
     /// Each with its root.
     steps: Vec<(u32, Step)>,
     roots: Vec<Root>,
@@ -127,55 +128,10 @@ pub(super) struct TautSearch {
     arcs: ArcMemo,
 }
 
-/// The free arcs about corners that have been looked at. They are kept from one search to the
-/// next; a search that finds some draws from its budget what making them has drawn.
-#[derive(Debug, Default)]
-struct ArcMemo {
-    /// For which radius they are; `None`: for the last search alone.
-    radius: Option<f64>,
-    /// Counts searches.
-    search: u32,
-    at: Vec<CornerArcs>,
-    arcs: Vec<FreeArc>,
-}
-
-/// Where the arcs of a vertex are.
-#[derive(Debug, Clone, Copy)]
-struct CornerArcs {
-    /// Index of the first; `NONE` if they have not been made.
-    first: u32,
-    count: u32,
-    /// Steps that they took.
-    steps: u32,
-    /// The last search that looked at them.
-    search: u32,
-}
-
-impl ArcMemo {
-    const UNKNOWN: CornerArcs = CornerArcs { first: NONE, count: 0, steps: 0, search: 0 };
-
-    /// Begins a search; with a radius, for arcs that depend on it alone.
-    fn begin(&mut self, vertices: usize, radius: Option<f64>) {
-        let keeps = radius.is_some() && self.radius == radius && self.at.len() == vertices;
-        self.search = self.search.wrapping_add(1);
-        if !keeps || self.search == 0 {
-            self.search = 1;
-            self.arcs.clear();
-            self.at.clear();
-            self.at.resize(vertices, Self::UNKNOWN);
-        }
-        self.radius = radius;
-    }
-
-    fn bytes(&self) -> usize {
-        self.at.capacity() * size_of::<CornerArcs>() + self.arcs.capacity() * size_of::<FreeArc>()
-    }
-}
-
 impl TautSearch {
     /// Memory held, bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.heap.capacity() * size_of::<Entry>()
+        self.heap.capacity() * size_of::<Queued>()
             + self.steps.capacity() * size_of::<(u32, Step)>()
             + self.roots.capacity() * size_of::<Root>()
             + self.arcs.bytes()
@@ -586,7 +542,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
     fn push(&mut self, least: f64, root: u32, step: Step) {
         let index = self.search.steps.len() as u32;
         self.search.steps.push((root, step));
-        self.search.heap.push(Entry { least, step: index });
+        self.search.heap.push(Queued { least, step: index });
     }
 
     /// The sweep about a root before a line; `None` if it can't be left in that direction.

@@ -131,3 +131,6 @@ impl Floor {
         side_of_line(from, &self.vertices[to as usize], &self.vertices[point as usize])
     }
 }
+
+#[cfg(test)]
+mod tests;

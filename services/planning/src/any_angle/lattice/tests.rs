@@ -105,7 +105,7 @@ fn run(scene: &Scene, search: Search, least: f64) -> Option<Measured> {
         check_by_sampling(errand, &curves);
         let leg = |curve: &Curve<2>| Leg { curve: *curve, junction: None, rule: None, rung: None };
         let legs = curves.iter().map(leg).collect();
-        let mut found = crate::any_angle::Found::default();
+        let mut found = crate::any_angle::RobotMotion::default();
         assert_eq!(measure::measure(errand, legs, &mut found, budget), Ok(Vec::new()));
         assert!(found.clearance.is_none_or(|clearance| clearance.value >= least));
         let cost = measure::cost(errand, &found.legs);

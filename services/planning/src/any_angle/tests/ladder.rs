@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 
 use super::scene::{Room, floor, rooms};
-use crate::any_angle::{Abilities, Costs, Errand, Found, NoMotion, Planner, Wish, drive};
+use crate::any_angle::{Abilities, Costs, Errand, RobotMotion, NoMotion, Planner, Wish, drive};
 use crate::budget::Budget;
 use crate::clearance::rectangle::Footprint;
 use crate::driving::{Goal, Pose, StartTurn};
@@ -50,7 +50,7 @@ fn distance(footprint: &Footprint, (at, heading): (Vector<2>, f64), walls: &Wall
 }
 
 #[track_caller]
-fn check(errand: &Errand<'_>, found: &Found) {
+fn check(errand: &Errand<'_>, found: &RobotMotion) {
     let (mut at, mut heading) = (errand.start.position, wrapped(errand.start.heading));
     let mut length = 0.0;
     for (leg, clearance) in found.legs.iter().zip(&found.leg_clearances) {
@@ -121,8 +121,8 @@ fn with_errand<T>(
     })
 }
 
-fn find(errand: &Errand<'_>, wish: Wish, planner: &mut Planner) -> Result<Found, NoMotion> {
-    let mut found = Found::default();
+fn find(errand: &Errand<'_>, wish: Wish, planner: &mut Planner) -> Result<RobotMotion, NoMotion> {
+    let mut found = RobotMotion::default();
     drive(errand, wish, planner, &mut found, &Budget::default()).map(|()| found)
 }
 

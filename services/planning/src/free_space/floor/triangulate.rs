@@ -4,8 +4,10 @@ use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use super::{Face, Floor, FloorError, NONE, Wall};
-use crate::budget::{Budget, Held};
+use crate::budget::{Budget, Held, Spent};
 use crate::geometry::Vector;
+use crate::geometry::box_tree::BoxTree;
+use crate::geometry::distance::cross;
 
 /// Steps of the budget that a vertex takes, for each doubling of their number.
 const STEPS_PER_VERTEX: u64 = 8;
@@ -16,6 +18,9 @@ const STEPS_PER_CROSSING: u64 = 400;
 
 /// Bytes of working memory that a vertex takes: in the triangulation, and in the floor.
 const BYTES_PER_VERTEX: usize = 600;
+
+/// A vertex nearer to a wall than this part of the extent is on it.
+const TOUCHING: f64 = 1e-13;
 
 /// What spade takes for coordinates; others are scaled by a power of two, which is exact.
 const GREATEST: f64 = 1e50;
@@ -73,13 +78,25 @@ pub(super) fn triangulate(walls: &[Wall<2>], budget: &Budget<'_>) -> Result<Floo
     let mesh = Mesh::try_bulk_load_cdt(vertices, edges, |edge| crossing.push(edge));
     // Coordinates are finite and small enough.
     let Ok(mut mesh) = mesh else { return Err(FloorError::Empty) };
+    let tolerance = TOUCHING * (high - low).amax().max(f64::EPSILON * farthest);
+    let mut tree = BoxTree::default();
+    if !crossing.is_empty() {
+        held.resize(points.len().saturating_mul(BYTES_PER_VERTEX + 60))?;
+        tree.build(points.len(), |index| (points[index], points[index]), budget)?;
+    }
     for [from, to] in crossing {
-        let before = mesh.num_vertices();
-        let [from, to] = [from, to].map(FixedVertexHandle::from_index);
-        mesh.add_constraint_and_split(from, to, Vertex);
-        let added = (mesh.num_vertices() - before) as u64;
-        budget.step((1 + added) * STEPS_PER_CROSSING)?;
-        held.resize(mesh.num_vertices().saturating_mul(BYTES_PER_VERTEX))?;
+        for [from, to] in pieces(&points, &tree, [from, to], tolerance, budget)? {
+            let before = mesh.num_vertices();
+            let [from, to] = [from, to].map(FixedVertexHandle::from_index);
+            if mesh.can_add_constraint(from, to) {
+                mesh.add_constraint(from, to);
+            } else {
+                mesh.add_constraint_and_split(from, to, Vertex);
+            }
+            let added = (mesh.num_vertices() - before) as u64;
+            budget.step((1 + added) * STEPS_PER_CROSSING)?;
+            held.resize(mesh.num_vertices().saturating_mul(BYTES_PER_VERTEX))?;
+        }
     }
     let first_crossing = points.len();
     points.extend(mesh.vertices().skip(first_crossing).map(|vertex| {
@@ -89,6 +106,34 @@ pub(super) fn triangulate(walls: &[Wall<2>], budget: &Budget<'_>) -> Result<Floo
     let extent = (high - low).amax();
     let floor = read(&mesh, points, extent, farthest);
     if floor.faces.is_empty() { Err(FloorError::Empty) } else { Ok(floor) }
+}
+
+/// A wall in pieces between the vertices that it all but touches. Where walls that should coincide
+/// differ by rounding, as in a scene that was turned, there is nothing to split.
+fn pieces(
+    points: &[Vector<2>],
+    tree: &BoxTree<2>,
+    [from, to]: [usize; 2],
+    tolerance: f64,
+    budget: &Budget<'_>,
+) -> Result<Vec<[usize; 2]>, Spent> {
+    let (begin, end) = (points[from], points[to]);
+    let way = end - begin;
+    let length = way.norm();
+    let mut touched = Vec::new();
+    tree.visit_along((&begin, &end), tolerance, budget, |index| {
+        let apart = points[index] - begin;
+        let along = apart.dot(&way) / length;
+        let across = cross(&way, &apart).abs() / length;
+        if index != from && index != to && across <= tolerance && 0.0 < along && along < length {
+            touched.push((along, index));
+        }
+        true
+    })?;
+    touched.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let stops = touched.iter().map(|(_, index)| *index).chain([to]);
+    let mut before = from;
+    Ok(stops.map(|stop| [std::mem::replace(&mut before, stop), stop]).collect())
 }
 
 /// The power of two that brings the greatest coordinate into spade's range.

@@ -1,0 +1,54 @@
+//! The motion that is wished for, with its certificate.
+
+use super::ladder::{Target, shortest};
+use super::planner::Planner;
+use super::{CONTACT, Errand, NoMotion, RobotMotion, Wish, bound, safest};
+use crate::budget::Budget;
+use crate::clearance::rectangle::clearance_rectangle_pose;
+
+/// The least gap from corners, as a part of the floor's width.
+const LEAST_GAP: f64 = 1e-9;
+
+/// Finds the motion that is wished for.
+pub fn drive(
+    errand: &Errand<'_>,
+    wish: Wish,
+    planner: &mut Planner,
+    found: &mut RobotMotion,
+    budget: &Budget<'_>,
+) -> Result<(), NoMotion> {
+    check_ends(errand, budget)?;
+    match wish {
+        Wish::Gap(gap) => shortest(
+            errand,
+            Target { gap, least: None, searches_poses: true },
+            planner,
+            found,
+            budget,
+        )?,
+        Wish::AtLeast(least) => {
+            // A disc that just touches can't be told from one that overlaps.
+            let gap = least.max(LEAST_GAP * errand.floor.extent());
+            let target = Target { gap, least: Some(least), searches_poses: true };
+            shortest(errand, target, planner, found, budget)?;
+        }
+        Wish::Safest => safest::safest(errand, planner, found, budget)?,
+    }
+    bound::certify(errand, planner, found, budget)
+}
+
+/// Refuses a start or a goal where the robot touches a wall.
+fn check_ends(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<(), NoMotion> {
+    let Errand { footprint, start, goal, walls, .. } = errand;
+    let ends = [(start.position, Some(start.heading), false), (goal.position, goal.heading, true)];
+    for (position, heading, at_goal) in ends {
+        let Some(heading) = heading else { continue };
+        let near = clearance_rectangle_pose(footprint, &position, heading, walls, budget)?;
+        if let Some(near) = near
+            && near.value <= CONTACT
+        {
+            return Err(NoMotion::Occupied { at_goal, wall: near.wall });
+        }
+    }
+    Ok(())
+}

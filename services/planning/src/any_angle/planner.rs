@@ -1,0 +1,25 @@
+//! Memory that is used again from one motion to the next.
+
+use super::lattice::LatticeMemory;
+use super::taut::TautSearch;
+
+/// Memory that is used again from one motion to the next.
+#[derive(Debug, Default)]
+pub struct Planner {
+    pub(super) taut: TautSearch,
+    /// Corners with a radius of their own, metres.
+    pub(super) radii: Vec<(u32, f64)>,
+    pub(super) lattice: LatticeMemory,
+}
+
+impl Planner {
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        self.taut.bytes() + self.lattice.bytes()
+    }
+
+    /// To be called before it is used with another floor.
+    pub fn forget(&mut self) {
+        self.taut.forget();
+    }
+}
