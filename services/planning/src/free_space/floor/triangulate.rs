@@ -53,16 +53,6 @@ pub(super) fn triangulate(walls: &[Wall<2>], budget: &Budget<'_>) -> Result<Floo
     points.sort_unstable_by(order);
     points.dedup();
     let find = |point: &Vector<2>| points.binary_search_by(|other| order(other, point));
-    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(walls.len());
-    for wall in walls {
-        let (Ok(from), Ok(to)) = (find(&wall.from), find(&wall.to)) else { continue };
-        if from != to {
-            edges.push([from.min(to), from.max(to)]);
-        }
-    }
-    edges.sort_unstable();
-    edges.dedup();
-
     let (low, high) = points
         .iter()
         .fold(None, |bounds: Option<(Vector<2>, Vector<2>)>, point| {
@@ -70,6 +60,22 @@ pub(super) fn triangulate(walls: &[Wall<2>], budget: &Budget<'_>) -> Result<Floo
         })
         .ok_or(FloorError::Empty)?;
     let farthest = low.amin().abs().max(low.amax()).max(high.amax());
+    let extent = (high - low).amax();
+    let tolerance = 8.0 * f64::EPSILON * farthest + TOUCHING * extent;
+    let mut tree = BoxTree::default();
+    tree.build(points.len(), |index| (points[index], points[index]), budget)?;
+    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(walls.len());
+    let mut touched = Vec::new();
+    for wall in walls {
+        let (Ok(from), Ok(to)) = (find(&wall.from), find(&wall.to)) else { continue };
+        if from != to {
+            split(&points, &tree, [from, to], (tolerance, budget), &mut touched, &mut edges)?;
+        }
+    }
+    drop(tree);
+    edges.sort_unstable();
+    edges.dedup();
+
     let scale = scale_of(farthest);
 
     let scaled = |point: &Vector<2>| Vertex(Point2::new(point.x * scale, point.y * scale));
@@ -78,49 +84,37 @@ pub(super) fn triangulate(walls: &[Wall<2>], budget: &Budget<'_>) -> Result<Floo
     let mesh = Mesh::try_bulk_load_cdt(vertices, edges, |edge| crossing.push(edge));
     // Coordinates are finite and small enough.
     let Ok(mut mesh) = mesh else { return Err(FloorError::Empty) };
-    let tolerance = TOUCHING * (high - low).amax().max(f64::EPSILON * farthest);
-    let mut tree = BoxTree::default();
-    if !crossing.is_empty() {
-        held.resize(points.len().saturating_mul(BYTES_PER_VERTEX + 60))?;
-        tree.build(points.len(), |index| (points[index], points[index]), budget)?;
-    }
     for [from, to] in crossing {
-        for [from, to] in pieces(&points, &tree, [from, to], tolerance, budget)? {
-            let before = mesh.num_vertices();
-            let [from, to] = [from, to].map(FixedVertexHandle::from_index);
-            if mesh.can_add_constraint(from, to) {
-                mesh.add_constraint(from, to);
-            } else {
-                mesh.add_constraint_and_split(from, to, Vertex);
-            }
-            let added = (mesh.num_vertices() - before) as u64;
-            budget.step((1 + added) * STEPS_PER_CROSSING)?;
-            held.resize(mesh.num_vertices().saturating_mul(BYTES_PER_VERTEX))?;
-        }
+        let before = mesh.num_vertices();
+        let [from, to] = [from, to].map(FixedVertexHandle::from_index);
+        mesh.add_constraint_and_split(from, to, Vertex);
+        let added = (mesh.num_vertices() - before) as u64;
+        budget.step((1 + added) * STEPS_PER_CROSSING)?;
+        held.resize(mesh.num_vertices().saturating_mul(BYTES_PER_VERTEX))?;
     }
     let first_crossing = points.len();
     points.extend(mesh.vertices().skip(first_crossing).map(|vertex| {
         let at = vertex.position();
         Vector::from([at.x / scale, at.y / scale])
     }));
-    let extent = (high - low).amax();
     let floor = read(&mesh, points, extent, farthest);
     if floor.faces.is_empty() { Err(FloorError::Empty) } else { Ok(floor) }
 }
 
-/// A wall in pieces between the vertices that it all but touches. Where walls that should coincide
-/// differ by rounding, as in a scene that was turned, there is nothing to split.
-fn pieces(
+/// Appends a wall in pieces between the vertices that it all but touches. Where walls that should
+/// coincide differ by rounding, as in a scene that was turned, they become the same pieces.
+fn split(
     points: &[Vector<2>],
     tree: &BoxTree<2>,
     [from, to]: [usize; 2],
-    tolerance: f64,
-    budget: &Budget<'_>,
-) -> Result<Vec<[usize; 2]>, Spent> {
+    (tolerance, budget): (f64, &Budget<'_>),
+    touched: &mut Vec<(f64, usize)>,
+    edges: &mut Vec<[usize; 2]>,
+) -> Result<(), Spent> {
     let (begin, end) = (points[from], points[to]);
     let way = end - begin;
     let length = way.norm();
-    let mut touched = Vec::new();
+    touched.clear();
     tree.visit_along((&begin, &end), tolerance, budget, |index| {
         let apart = points[index] - begin;
         let along = apart.dot(&way) / length;
@@ -131,9 +125,12 @@ fn pieces(
         true
     })?;
     touched.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let stops = touched.iter().map(|(_, index)| *index).chain([to]);
     let mut before = from;
-    Ok(stops.map(|stop| [std::mem::replace(&mut before, stop), stop]).collect())
+    for stop in touched.iter().map(|(_, index)| *index).chain([to]) {
+        edges.push([before.min(stop), before.max(stop)]);
+        before = stop;
+    }
+    Ok(())
 }
 
 /// The power of two that brings the greatest coordinate into spade's range.
