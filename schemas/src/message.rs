@@ -2,6 +2,7 @@
 
 mod assemble;
 mod digest;
+mod name;
 mod named;
 mod reply;
 mod scene;

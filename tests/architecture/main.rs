@@ -98,7 +98,7 @@ fn dependencies_run_one_way() {
 #[test]
 fn planning_is_pure() {
     let on = &dependencies(|kind| kind == DependencyKind::Normal)["planning"];
-    let expected = ["libm", "nalgebra", "robust", "thiserror"].map(str::to_owned);
+    let expected = ["libm", "nalgebra", "robust", "spade", "thiserror"].map(str::to_owned);
     assert_eq!(*on, BTreeSet::from(expected), "no clock, no I/O, no threads, no logging, no serde");
 }
 

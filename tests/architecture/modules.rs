@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::code::{Arrow, Code};
 
 /// The modules of `planning`, each knowing only those of the lines before its own.
-const PLANNING: [&[&str]; 8] = [
+const PLANNING: [&[&str]; 9] = [
     &["budget"],
     &["geometry"],
     &["motion"],
@@ -14,6 +14,7 @@ const PLANNING: [&[&str]; 8] = [
     &["clearance"],
     &["disassembly", "driving"],
     &["route"],
+    &["any_angle"],
     &["trajectory"],
 ];
 

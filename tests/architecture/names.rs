@@ -6,7 +6,7 @@ use crate::code::Code;
 
 /// What `planning` works with and what the messages of `schemas` say of it: the same things,
 /// and so the same names, once in each. A field of a request is found by its name in the code.
-const IN_MESSAGES: [&str; 15] = [
+const IN_MESSAGES: [&str; 16] = [
     "AxisBox",
     "Body",
     "Clearance",
@@ -19,6 +19,7 @@ const IN_MESSAGES: [&str; 15] = [
     "Limits",
     "Pose",
     "Rule",
+    "Rung",
     "Sampling",
     "StartTurn",
     "Vector",

@@ -198,8 +198,7 @@ impl Client {
     pub fn call_named(&self, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
         let begin = Instant::now();
         let reply = self.call(&scene.with_name_alone(), limit)?;
-        let is_unknown =
-            |refusal: &Refusal| refusal.code == ErrorCode::UnknownFreeSpace;
+        let is_unknown = |refusal: &Refusal| refusal.code == ErrorCode::UnknownFreeSpace;
         if !reply.answers.as_ref().is_err_and(is_unknown) {
             return Ok(reply);
         }

@@ -12,6 +12,7 @@
 //! | [`disassembly`] | Table 1: a part out of its cavity | section 3, example in section 4 |
 //! | [`driving`] | Table 2 ([`driving::rules::TABLE_2`]): a robot through corridors | section 5 |
 //! | [`route`] | the order in which to travel channels | |
+//! | [`any_angle`] | a robot among walls at any angle | |
 //! | [`trajectory`] | speeds, and states sampled over time | |
 //!
 //! Each module knows only those above it.

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use clap::Parser;
 use answer::Answerer;
+use clap::Parser;
 use comparison::compare::Tolerance;
 use comparison::{check, diff, exchanges};
 use configuration::Config;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use planning::any_angle::{self, RobotMotion, Planner, channels_travelled};
+use planning::any_angle::{self, Planner, RobotMotion, channels_travelled};
 use planning::free_space::floor::{Floor, FloorError};
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;

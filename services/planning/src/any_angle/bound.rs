@@ -2,7 +2,7 @@
 
 use super::disc::Disc;
 use super::planner::Planner;
-use super::{Errand, RobotMotion, NoMotion, PRECISION};
+use super::{Errand, NoMotion, PRECISION, RobotMotion};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::free_clearance;
 use crate::driving::Pose;

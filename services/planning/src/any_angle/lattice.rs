@@ -11,7 +11,7 @@ use crate::motion::Curve;
 use explore::Manner;
 use field::Field;
 use headings::Headings;
-use passage::Axis;
+use passage::GateAxis;
 use probe::Probe;
 use steer::Steering;
 use way::Way;
@@ -71,10 +71,10 @@ pub(super) struct Resolution {
 #[derive(Debug, Default)]
 pub(super) struct LatticeMemory {
     field: Field,
-    axes: Vec<Axis>,
+    axes: Vec<GateAxis>,
     headings: Headings,
-    search: explore::Memory,
-    car: car::Memory,
+    search: explore::PoseMemory,
+    car: car::ArcMemory,
     resolution: Option<Resolution>,
 }
 
@@ -84,7 +84,7 @@ impl LatticeMemory {
         self.field.bytes()
             + self.search.bytes()
             + self.car.bytes()
-            + self.axes.capacity() * size_of::<Axis>()
+            + self.axes.capacity() * size_of::<GateAxis>()
     }
 
     /// The resolution of the last search; `None` if there was no way even for a disc.
@@ -166,7 +166,7 @@ fn steered(probe: &Probe<'_>, memory: &mut LatticeMemory) -> Result<Option<Vec<C
     for bin in BINS {
         let step = bin * footprint.width();
         memory.resolution = Some(Resolution { step, headings: usize::from(car::HEADINGS) });
-        let manner = car::Manner { steering: &steering, bin: step, most_steps: MOST_STEPS };
+        let manner = car::ArcManner { steering: &steering, bin: step, most_steps: MOST_STEPS };
         let found = car::explore(probe, &mut memory.field, manner, &mut memory.car)?;
         let Some(mut track) = found else { continue };
         let rough = track.clone();

@@ -1,10 +1,10 @@
 //! Why there is no motion: the narrowest place of the widest way.
 
 use super::disc::{Disc, distance_to};
-use super::planner::Planner;
 use super::measure::Contact;
+use super::planner::Planner;
 use super::taut::TautPath;
-use super::{Errand, RobotMotion, NoMotion};
+use super::{Errand, NoMotion, RobotMotion};
 use crate::budget::{Budget, Held, Spent};
 use crate::free_space::walls::Wall;
 use crate::geometry::Vector;

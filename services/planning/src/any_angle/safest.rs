@@ -3,9 +3,9 @@
 use std::mem;
 
 use super::ladder::{Target, shortest};
-use super::planner::Planner;
 use super::measure::cost;
-use super::{Errand, RobotMotion, NoMotion, PRECISION, bound, refusal};
+use super::planner::Planner;
+use super::{Errand, NoMotion, PRECISION, RobotMotion, bound, refusal};
 use crate::budget::{Budget, Spent};
 
 /// Gaps looked at one by one, since more gap need not mean more clearance.
@@ -34,7 +34,7 @@ pub(super) fn safest(
     if widest <= half {
         return Err(refusal::no_way(errand, half, planner, budget)?);
     }
-    let mut search = Search { errand, planner, best: None, refused: None, budget };
+    let mut search = SafestSearch { errand, planner, best: None, refused: None, budget };
     let (mut low, mut high) = (0.0, widest - half);
     if !search.try_target(at_least(high))? {
         for step in 1..GAPS {
@@ -84,7 +84,7 @@ fn with_gap(gap: f64) -> Target {
     Target { gap, least: None, searches_poses: false }
 }
 
-struct Search<'a, 'b> {
+struct SafestSearch<'a, 'b> {
     errand: &'a Errand<'a>,
     planner: &'a mut Planner,
     /// Its free clearance and cost.
@@ -93,7 +93,7 @@ struct Search<'a, 'b> {
     budget: &'a Budget<'b>,
 }
 
-impl Search<'_, '_> {
+impl SafestSearch<'_, '_> {
     fn best_clearance(&self) -> f64 {
         self.best.as_ref().map_or(0.0, |(clearance, _, _)| *clearance)
     }

@@ -54,7 +54,7 @@ pub(super) struct TautTurn {
 
 /// Where the next line leaves from.
 #[derive(Debug, Clone, Copy)]
-struct Root {
+struct TurnRoot {
     /// The vertex that the path turns about; `NONE` at the start.
     vertex: u32,
     circle: Circle,
@@ -119,7 +119,7 @@ pub(super) struct TautSearch {
     heap: BinaryHeap<Queued>,
     /// Each with its root.
     steps: Vec<(u32, Step)>,
-    roots: Vec<Root>,
+    roots: Vec<TurnRoot>,
     /// For each vertex and sense, the last root there.
     last_root: Vec<u32>,
     /// Vertices with roots, to be reset.
@@ -133,7 +133,7 @@ impl TautSearch {
     pub(super) fn bytes(&self) -> usize {
         self.heap.capacity() * size_of::<Queued>()
             + self.steps.capacity() * size_of::<(u32, Step)>()
-            + self.roots.capacity() * size_of::<Root>()
+            + self.roots.capacity() * size_of::<TurnRoot>()
             + self.arcs.bytes()
             + (self.last_root.capacity() + self.touched.capacity()) * size_of::<u32>()
     }
@@ -219,7 +219,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         let mut held = Held::new(budget, 0)?;
         self.search.goal_faces = floor.faces_around(&disc.goal, budget)?;
         let faces = floor.faces_around(&disc.start, budget)?;
-        self.search.roots.push(Root {
+        self.search.roots.push(TurnRoot {
             vertex: NONE,
             circle: Circle { center: disc.start, signed_radius: 0.0 },
             arrival: at_rest(disc.start),
@@ -258,7 +258,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             }
             held.resize(
                 self.search.steps.len() * size_of::<(u32, Step)>()
-                    + self.search.roots.len() * size_of::<Root>(),
+                    + self.search.roots.len() * size_of::<TurnRoot>(),
             )?;
         }
         Ok(None)
@@ -339,7 +339,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         }
         let search = &mut *self.search;
         let index = search.roots.len() as u32;
-        search.roots.push(Root {
+        search.roots.push(TurnRoot {
             vertex,
             circle,
             arrival: line,
@@ -365,7 +365,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
         let floor = self.floor;
-        let Root { vertex, circle, .. } = self.search.roots[root as usize];
+        let TurnRoot { vertex, circle, .. } = self.search.roots[root as usize];
         let mut index = corner.first;
         loop {
             budget.step(STEPS_PER_SIGHT)?;

@@ -8,7 +8,7 @@ use crate::motion::{Curve, Leg};
 const STEPS_PER_LEG: u64 = 4;
 
 /// A place on a motion: a leg, and which part of it has been travelled.
-type Place = (usize, f64);
+type PathPlace = (usize, f64);
 
 /// The indices of channels in the order in which the reference point travels them, as few as
 /// lead on farthest each. `rounding`: how far outside of a channel counts as inside, metres.
@@ -19,9 +19,9 @@ pub fn channels_travelled(
     budget: &Budget<'_>,
 ) -> Result<Vec<usize>, Spent> {
     let mut route: Vec<usize> = Vec::new();
-    let mut at: Place = (0, 0.0);
+    let mut at: PathPlace = (0, 0.0);
     while at.0 < legs.len() {
-        let mut best: Option<(Place, usize)> = None;
+        let mut best: Option<(PathPlace, usize)> = None;
         for (index, channel) in channels.iter().enumerate() {
             budget.step(1)?;
             let to = follow(legs, at, channel, rounding, budget)?;
@@ -45,11 +45,11 @@ pub fn channels_travelled(
 /// How far a motion stays in a channel from a place on.
 fn follow(
     legs: &[Leg<2>],
-    (mut leg, mut part): Place,
+    (mut leg, mut part): PathPlace,
     channel: &AxisBox<2>,
     rounding: f64,
     budget: &Budget<'_>,
-) -> Result<Place, Spent> {
+) -> Result<PathPlace, Spent> {
     while let Some(next) = legs.get(leg) {
         budget.step(STEPS_PER_LEG)?;
         let to = stays_until(&next.curve, part, channel, rounding);

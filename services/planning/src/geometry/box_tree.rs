@@ -171,7 +171,7 @@ impl<const D: usize> BoxTree<D> {
         mut visit: impl FnMut(usize) -> bool,
     ) -> Result<(), Spent> {
         let Some(top) = self.levels.len().checked_sub(1) else { return Ok(()) };
-        let along = Along::new(segment, reach);
+        let along = NearSegment::new(segment, reach);
         if along.comes_near(self.node(top, 0)) {
             self.descend_along(top, 0, &along, budget, &mut visit)?;
         }
@@ -183,7 +183,7 @@ impl<const D: usize> BoxTree<D> {
         &self,
         level: usize,
         place: usize,
-        along: &Along<D>,
+        along: &NearSegment<D>,
         budget: &Budget<'_>,
         visit: &mut impl FnMut(usize) -> bool,
     ) -> Result<bool, Spent> {
@@ -304,7 +304,7 @@ impl<const D: usize> BoxTree<D> {
 
 /// A segment with what is near it: its bounding box, and the lines on both sides of it in each
 /// plane of two axes.
-struct Along<const D: usize> {
+struct NearSegment<const D: usize> {
     low: Vector<D>,
     high: Vector<D>,
     middle: Vector<D>,
@@ -313,7 +313,7 @@ struct Along<const D: usize> {
     reach: f64,
 }
 
-impl<const D: usize> Along<D> {
+impl<const D: usize> NearSegment<D> {
     fn new((from, to): (&Vector<D>, &Vector<D>), reach: f64) -> Self {
         let way = to - from;
         let length = (way[0] * way[0] + way[1] * way[1]).sqrt();

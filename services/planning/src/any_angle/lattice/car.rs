@@ -4,10 +4,10 @@
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-use super::explore::{ANY, OPEN, OPEN_BINS, Open, pose_key};
+use super::explore::{ANY, OPEN, OPEN_BINS, OpenPose, pose_key};
 use super::field::{DETOUR, Field};
 use super::probe::Probe;
-use super::steer::{Along, Piece, Place, Steering, Word};
+use super::steer::{RunAlong, SteerPlace, Steered, Steering, Word};
 use super::table::{NOTHING, Table};
 use crate::budget::{Cap, Held, Spent};
 use crate::driving::shortest_turn;
@@ -30,8 +30,8 @@ const GOAL: u64 = u64::MAX;
 const WAYS_ON: u16 = 32;
 
 #[derive(Debug, Clone, Copy)]
-struct Node {
-    place: Place,
+struct ArcNode {
+    place: SteerPlace,
     /// The motion that leads there.
     word: Word,
     cost: f64,
@@ -41,33 +41,33 @@ struct Node {
     is_open: bool,
 }
 
-/// Memory of a search.
+/// ArcMemory of a search.
 #[derive(Debug, Default)]
-pub(super) struct Memory {
-    nodes: Vec<Node>,
-    heap: BinaryHeap<Open>,
+pub(super) struct ArcMemory {
+    nodes: Vec<ArcNode>,
+    heap: BinaryHeap<OpenPose>,
     table: Table,
     words: Vec<Word>,
 }
 
-impl Memory {
+impl ArcMemory {
     pub(super) fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>()
-            + self.heap.capacity() * size_of::<Open>()
+        self.nodes.capacity() * size_of::<ArcNode>()
+            + self.heap.capacity() * size_of::<OpenPose>()
             + self.table.bytes()
     }
 }
 
 /// Places and the motions between them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Track {
-    pub(super) places: Vec<Place>,
+pub(super) struct ArcTrack {
+    pub(super) places: Vec<SteerPlace>,
     pub(super) words: Vec<Word>,
 }
 
 /// How a search is made.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Manner<'a> {
+pub(super) struct ArcManner<'a> {
     pub(super) steering: &'a Steering,
     /// Side of a bin, metres.
     pub(super) bin: f64,
@@ -79,23 +79,23 @@ pub(super) struct Manner<'a> {
 pub(super) fn explore(
     probe: &Probe<'_>,
     field: &mut Field,
-    manner: Manner<'_>,
-    memory: &mut Memory,
-) -> Result<Option<Track>, Spent> {
+    manner: ArcManner<'_>,
+    memory: &mut ArcMemory,
+) -> Result<Option<ArcTrack>, Spent> {
     memory.nodes.clear();
     memory.heap.clear();
     memory.table.clear();
     let mut held = Held::new(probe.budget, memory.table.bytes())?;
-    let Manner { steering, bin, most_steps } = manner;
+    let ArcManner { steering, bin, most_steps } = manner;
     let most_steps = probe.budget.drawn(Cap::Steps).saturating_add(most_steps);
-    let mut search = Explore { probe, field, steering, bin, memory };
-    let place = Place { at: Vector::zeros(), heading: 0.0 };
+    let mut search = ExploreArcs { probe, field, steering, bin, memory };
+    let place = SteerPlace { at: Vector::zeros(), heading: 0.0 };
     search.reach(NOTHING, 0.0, (place, Word::NOTHING))?;
     // A move is long enough to leave its bin, and turns by a bin of headings at least.
     let turn = 1.01 * TAU / f64::from(HEADINGS);
     let size = (MOVE * bin).max(steering.radius * turn);
     let mut until_shot = 0_u32;
-    while let Some(Open { node: index, .. }) = search.memory.heap.pop() {
+    while let Some(OpenPose { node: index, .. }) = search.memory.heap.pop() {
         probe.budget.step(STEPS_PER_NODE)?;
         let node = search.memory.nodes[index as usize];
         if search.memory.table.get(node.key) != Some(index) {
@@ -125,45 +125,45 @@ pub(super) fn explore(
     Ok(None)
 }
 
-struct Explore<'a, 'm> {
+struct ExploreArcs<'a, 'm> {
     probe: &'a Probe<'a>,
     field: &'m mut Field,
     steering: &'a Steering,
     bin: f64,
-    memory: &'m mut Memory,
+    memory: &'m mut ArcMemory,
 }
 
-impl Explore<'_, '_> {
-    fn drive_on(&mut self, index: u32, node: &Node, size: f64, turn: f64) -> Result<(), Spent> {
-        for along in [Along::Line, Along::Circle(1.0), Along::Circle(-1.0)] {
+impl ExploreArcs<'_, '_> {
+    fn drive_on(&mut self, index: u32, node: &ArcNode, size: f64, turn: f64) -> Result<(), Spent> {
+        for along in [RunAlong::Line, RunAlong::Circle(1.0), RunAlong::Circle(-1.0)] {
             for back in self.steering.senses() {
-                self.offer(index, node, &[Piece { along, size, back: *back }])?;
+                self.offer(index, node, &[Steered { along, size, back: *back }])?;
             }
         }
         if self.steering.turn.is_some() {
-            for along in [Along::Turn(1.0), Along::Turn(-1.0)] {
-                self.offer(index, node, &[Piece { along, size: turn, back: false }])?;
+            for along in [RunAlong::Turn(1.0), RunAlong::Turn(-1.0)] {
+                self.offer(index, node, &[Steered { along, size: turn, back: false }])?;
             }
         }
         Ok(())
     }
 
     /// After a turn in place by any angle.
-    fn drive_anywhere(&mut self, index: u32, node: &Node, size: f64) -> Result<(), Spent> {
+    fn drive_anywhere(&mut self, index: u32, node: &ArcNode, size: f64) -> Result<(), Spent> {
         for way in 0..WAYS_ON {
             let heading = TAU * f64::from(way) / f64::from(WAYS_ON);
             let angle = shortest_turn(node.place.heading, heading);
-            let along = Along::Turn(1.0_f64.copysign(angle));
-            let turn = Piece { along, size: angle.abs(), back: false };
+            let along = RunAlong::Turn(1.0_f64.copysign(angle));
+            let turn = Steered { along, size: angle.abs(), back: false };
             for back in self.steering.senses() {
-                let line = Piece { along: Along::Line, size, back: *back };
+                let line = Steered { along: RunAlong::Line, size, back: *back };
                 self.offer(index, node, &[turn, line])?;
             }
         }
         Ok(())
     }
 
-    fn offer(&mut self, index: u32, node: &Node, pieces: &[Piece]) -> Result<(), Spent> {
+    fn offer(&mut self, index: u32, node: &ArcNode, pieces: &[Steered]) -> Result<(), Spent> {
         self.probe.budget.step(STEPS_PER_MOVE)?;
         let mut place = node.place;
         for piece in pieces {
@@ -180,7 +180,12 @@ impl Explore<'_, '_> {
         self.reach(index, cost, (place, word))
     }
 
-    fn reach(&mut self, before: u32, cost: f64, (place, word): (Place, Word)) -> Result<(), Spent> {
+    fn reach(
+        &mut self,
+        before: u32,
+        cost: f64,
+        (place, word): (SteerPlace, Word),
+    ) -> Result<(), Spent> {
         let (mut can_turn, mut is_open) = (false, false);
         if self.steering.turn.is_some() {
             let clear = self.field.clear_at_least(self.probe, &place.at)?;
@@ -193,13 +198,13 @@ impl Explore<'_, '_> {
             _ => pose_key(&place.at, self.bin, self.slot(&place)),
         };
         if !self.is_beaten(key, cost) {
-            self.push(Node { place, word, cost, before, key, can_turn, is_open });
+            self.push(ArcNode { place, word, cost, before, key, can_turn, is_open });
         }
         Ok(())
     }
 
     /// Tries to drive to the goal from here.
-    fn shoot(&mut self, index: u32, node: &Node) -> Result<(), Spent> {
+    fn shoot(&mut self, index: u32, node: &ArcNode) -> Result<(), Spent> {
         let known = self.memory.table.get(GOAL);
         let most = known.map_or(f64::INFINITY, |goal| self.memory.nodes[goal as usize].cost);
         let mut words = std::mem::take(&mut self.memory.words);
@@ -221,19 +226,19 @@ impl Explore<'_, '_> {
             if !self.is_beaten(GOAL, cost) {
                 let (before, key) = (index, GOAL);
                 let (can_turn, is_open) = (false, false);
-                self.push(Node { place, word, cost, before, key, can_turn, is_open });
+                self.push(ArcNode { place, word, cost, before, key, can_turn, is_open });
             }
         }
         Ok(())
     }
 
-    fn push(&mut self, node: Node) {
+    fn push(&mut self, node: ArcNode) {
         let index = self.memory.nodes.len() as u32;
         let left = if node.key == GOAL { 0.0 } else { self.way_left(&node.place.at) };
         self.memory.nodes.push(node);
         self.memory.table.set(node.key, index);
         let least = libm::round((node.cost + left) / (1e-6 * self.bin)) as u64;
-        self.memory.heap.push(Open { least, node: index });
+        self.memory.heap.push(OpenPose { least, node: index });
     }
 
     fn is_beaten(&self, key: u64, cost: f64) -> bool {
@@ -246,13 +251,13 @@ impl Explore<'_, '_> {
         straight.max(self.field.to_goal(at) / DETOUR - self.field.step)
     }
 
-    fn slot(&self, place: &Place) -> u16 {
+    fn slot(&self, place: &SteerPlace) -> u16 {
         let turn = libm::round(place.heading / TAU * f64::from(HEADINGS)) as i64;
         turn.rem_euclid(i64::from(HEADINGS)) as u16
     }
 
-    fn track_to(&self, goal: u32) -> Track {
-        let mut track = Track::default();
+    fn track_to(&self, goal: u32) -> ArcTrack {
+        let mut track = ArcTrack::default();
         let mut index = goal;
         while let Some(node) = self.memory.nodes.get(index as usize) {
             track.places.push(node.place);

@@ -16,7 +16,7 @@ use std::f64::consts::SQRT_2;
 
 use super::field::{DETOUR, Field};
 use super::headings::{Headings, SAME_HEADING};
-use super::passage::Axis;
+use super::passage::GateAxis;
 use super::probe::Probe;
 use super::table::{NOTHING, Table};
 use super::way::Way;
@@ -63,7 +63,7 @@ struct Station {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct PoseNode {
     at: Vector<2>,
     /// With which the robot arrives, radians.
     heading: f64,
@@ -81,40 +81,40 @@ struct Node {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Open {
+pub(super) struct OpenPose {
     /// The cost of the way through a node at least, in small units: no rounding decides.
     pub(super) least: u64,
     pub(super) node: u32,
 }
 
-impl Ord for Open {
+impl Ord for OpenPose {
     /// The least first, the first of equals.
     fn cmp(&self, other: &Self) -> Ordering {
         other.least.cmp(&self.least).then(other.node.cmp(&self.node))
     }
 }
 
-impl PartialOrd for Open {
+impl PartialOrd for OpenPose {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-/// Memory of a search.
+/// PoseMemory of a search.
 #[derive(Debug, Default)]
-pub(super) struct Memory {
-    nodes: Vec<Node>,
-    heap: BinaryHeap<Open>,
+pub(super) struct PoseMemory {
+    nodes: Vec<PoseNode>,
+    heap: BinaryHeap<OpenPose>,
     table: Table,
     stations: Vec<Station>,
     /// The square in which each station lies, in order.
     squares: Vec<(i64, i64, u32)>,
 }
 
-impl Memory {
+impl PoseMemory {
     pub(super) fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>()
-            + self.heap.capacity() * size_of::<Open>()
+        self.nodes.capacity() * size_of::<PoseNode>()
+            + self.heap.capacity() * size_of::<OpenPose>()
             + self.stations.capacity() * size_of::<Station>()
             + self.table.bytes()
     }
@@ -134,9 +134,9 @@ pub(super) struct Manner {
 /// The least costly way found, or `None`.
 pub(super) fn explore(
     probe: &Probe<'_>,
-    (field, headings, axes): (&mut Field, &Headings, &[Axis]),
+    (field, headings, axes): (&mut Field, &Headings, &[GateAxis]),
     manner: Manner,
-    memory: &mut Memory,
+    memory: &mut PoseMemory,
 ) -> Result<Option<Way>, Spent> {
     memory.nodes.clear();
     memory.heap.clear();
@@ -151,7 +151,7 @@ pub(super) fn explore(
     search.sort_stations();
     search.set_out()?;
     let mut best = None;
-    while let Some(Open { node: index, .. }) = search.memory.heap.pop() {
+    while let Some(OpenPose { node: index, .. }) = search.memory.heap.pop() {
         probe.budget.step(STEPS_PER_NODE)?;
         let node = search.memory.nodes[index as usize];
         if search.memory.table.get(node.key) != Some(index) {
@@ -175,13 +175,13 @@ struct Explore<'a, 'm> {
     field: &'m mut Field,
     headings: &'m Headings,
     manner: Manner,
-    memory: &'m mut Memory,
+    memory: &'m mut PoseMemory,
     unit_cost: f64,
 }
 
 impl Explore<'_, '_> {
     /// Both ends of each passage.
-    fn add_passages(&mut self, axes: &[Axis]) -> Result<(), Spent> {
+    fn add_passages(&mut self, axes: &[GateAxis]) -> Result<(), Spent> {
         for axis in axes {
             let Some(ends) = axis.ends(self.probe)? else { continue };
             let mut ways = [[false; 2]; 2];
@@ -248,7 +248,7 @@ impl Explore<'_, '_> {
         let clear = self.probe.distance(&start, self.probe.swing)?;
         let can_turn = clear >= self.probe.swing;
         let slot = if can_turn { ANY } else { 0 };
-        let root = Node {
+        let root = PoseNode {
             at: start,
             heading: 0.0,
             back: false,
@@ -282,7 +282,7 @@ impl Explore<'_, '_> {
         self.offer_goal(0, &root)
     }
 
-    fn expand(&mut self, index: u32, node: &Node) -> Result<(), Spent> {
+    fn expand(&mut self, index: u32, node: &PoseNode) -> Result<(), Spent> {
         let headings = self.headings;
         if node.slot == ANY {
             for slot in 0..headings.all.len() {
@@ -304,7 +304,13 @@ impl Explore<'_, '_> {
     }
 
     /// Straight on into another bin.
-    fn drive_on(&mut self, index: u32, node: &Node, slot: usize, back: bool) -> Result<(), Spent> {
+    fn drive_on(
+        &mut self,
+        index: u32,
+        node: &PoseNode,
+        slot: usize,
+        back: bool,
+    ) -> Result<(), Spent> {
         self.probe.budget.step(STEPS_PER_OFFER)?;
         let heading = self.headings.all[slot];
         let length = MOVE * self.bin(node.clear);
@@ -337,7 +343,7 @@ impl Explore<'_, '_> {
     }
 
     /// To the next heading, in a narrow place.
-    fn turn_to(&mut self, index: u32, node: &Node, slot: usize) -> Result<(), Spent> {
+    fn turn_to(&mut self, index: u32, node: &PoseNode, slot: usize) -> Result<(), Spent> {
         self.probe.budget.step(STEPS_PER_OFFER)?;
         let heading = self.headings.all[slot];
         let stop = if node.moves { self.probe.errand.costs.stop } else { 0.0 };
@@ -349,12 +355,12 @@ impl Explore<'_, '_> {
         {
             return Ok(());
         }
-        self.push(Node { heading, moves: false, slot, cost, before: index, key, ..*node });
+        self.push(PoseNode { heading, moves: false, slot, cost, before: index, key, ..*node });
         Ok(())
     }
 
     /// To the stations nearby, and through the passage whose end this is.
-    fn offer_stations(&mut self, index: u32, node: &Node) -> Result<(), Spent> {
+    fn offer_stations(&mut self, index: u32, node: &PoseNode) -> Result<(), Spent> {
         let own = (node.key & STATION != 0).then_some(node.key ^ STATION);
         let is_special = own.is_some() || node.before == NOTHING;
         let reach = if is_special { FAR } else { 2.0 };
@@ -397,7 +403,7 @@ impl Explore<'_, '_> {
     }
 
     /// Straight to the goal.
-    fn offer_goal(&mut self, index: u32, node: &Node) -> Result<(), Spent> {
+    fn offer_goal(&mut self, index: u32, node: &PoseNode) -> Result<(), Spent> {
         let goal = self.probe.goal;
         let apart = goal - node.at;
         let far = apart.norm();
@@ -431,7 +437,7 @@ impl Explore<'_, '_> {
     /// Along a line to the goal that is free.
     fn offer_arrival(
         &mut self,
-        (index, node): (u32, &Node),
+        (index, node): (u32, &PoseNode),
         heading: f64,
         back: bool,
     ) -> Result<(), Spent> {
@@ -444,7 +450,7 @@ impl Explore<'_, '_> {
         if !self.is_beaten(GOAL, cost) {
             let slot = 0;
             let (at, moves, before, key) = (goal, true, index, GOAL);
-            self.push(Node { at, heading, back, moves, slot, clear: 0.0, cost, before, key });
+            self.push(PoseNode { at, heading, back, moves, slot, clear: 0.0, cost, before, key });
         }
         Ok(())
     }
@@ -452,7 +458,7 @@ impl Explore<'_, '_> {
     /// Straight to a point, if walls let it.
     fn offer_exact(
         &mut self,
-        (index, node): (u32, &Node),
+        (index, node): (u32, &PoseNode),
         at: &Vector<2>,
         back: bool,
         key: u64,
@@ -476,14 +482,14 @@ impl Explore<'_, '_> {
     }
 
     /// Straight to a place where the robot can turn.
-    fn offer_free(&mut self, from: (u32, &Node), at: &Vector<2>, back: bool, key: u64) {
+    fn offer_free(&mut self, from: (u32, &PoseNode), at: &Vector<2>, back: bool, key: u64) {
         let heading = self.heading_to(from.1, at, back);
         self.offer_line(from, at, heading, back, (ANY, key, self.probe.swing));
     }
 
     fn offer_line(
         &mut self,
-        (index, node): (u32, &Node),
+        (index, node): (u32, &PoseNode),
         at: &Vector<2>,
         heading: f64,
         back: bool,
@@ -492,17 +498,17 @@ impl Explore<'_, '_> {
         let cost = self.cost_of_line(node, heading, back, (at - node.at).norm());
         if !self.is_beaten(key, cost) {
             let (at, moves, before) = (*at, true, index);
-            self.push(Node { at, heading, back, moves, slot, clear, cost, before, key });
+            self.push(PoseNode { at, heading, back, moves, slot, clear, cost, before, key });
         }
     }
 
-    fn push(&mut self, node: Node) {
+    fn push(&mut self, node: PoseNode) {
         let index = self.memory.nodes.len() as u32;
         let least = node.cost + self.way_left(&node.at);
         self.memory.nodes.push(node);
         self.memory.table.set(node.key, index);
         let least = libm::round(least / self.unit_cost) as u64;
-        self.memory.heap.push(Open { least, node: index });
+        self.memory.heap.push(OpenPose { least, node: index });
     }
 
     fn is_beaten(&self, key: u64, cost: f64) -> bool {
@@ -516,14 +522,14 @@ impl Explore<'_, '_> {
         straight.max(self.field.to_goal(at) / DETOUR - self.field.step)
     }
 
-    fn cost_of_line(&self, node: &Node, heading: f64, back: bool, length: f64) -> f64 {
+    fn cost_of_line(&self, node: &PoseNode, heading: f64, back: bool, length: f64) -> f64 {
         let costs = &self.probe.errand.costs;
         let angle = shortest_turn(node.heading, heading).abs();
         let stops = node.moves && (angle > SAME_HEADING || back != node.back);
         node.cost + length + costs.turn * angle + if stops { costs.stop } else { 0.0 }
     }
 
-    fn heading_to(&self, node: &Node, at: &Vector<2>, back: bool) -> f64 {
+    fn heading_to(&self, node: &PoseNode, at: &Vector<2>, back: bool) -> f64 {
         let way = if back { node.at - at } else { at - node.at };
         libm::atan2(way.y, way.x)
     }

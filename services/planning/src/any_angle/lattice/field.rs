@@ -71,25 +71,25 @@ pub(super) struct Field {
     reach: f64,
     /// The way from each cell's middle to the goal, metres; infinite where not known.
     to_goal: Vec<f64>,
-    heap: BinaryHeap<Open>,
+    heap: BinaryHeap<OpenCell>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Open {
+struct OpenCell {
     way: f64,
     cell: usize,
 }
 
-impl Eq for Open {}
+impl Eq for OpenCell {}
 
-impl Ord for Open {
+impl Ord for OpenCell {
     /// The shortest first, the first of equals.
     fn cmp(&self, other: &Self) -> Ordering {
         other.way.total_cmp(&self.way).then(other.cell.cmp(&self.cell))
     }
 }
 
-impl PartialOrd for Open {
+impl PartialOrd for OpenCell {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
@@ -98,7 +98,7 @@ impl PartialOrd for Open {
 impl Field {
     pub(super) fn bytes(&self) -> usize {
         (self.clear.capacity() + self.to_goal.capacity()) * size_of::<f64>()
-            + self.heap.capacity() * size_of::<Open>()
+            + self.heap.capacity() * size_of::<OpenCell>()
     }
 
     /// Covers all walls, the start and the goal, and finds the way from everywhere to the goal.
@@ -204,7 +204,7 @@ impl Field {
             }
         }
         let mut most = f64::INFINITY;
-        while let Some(Open { way, cell }) = self.heap.pop() {
+        while let Some(OpenCell { way, cell }) = self.heap.pop() {
             if way > self.to_goal[cell] {
                 continue;
             }
@@ -241,7 +241,7 @@ impl Field {
     fn offer(&mut self, way: f64, cell: usize) {
         if way < self.to_goal[cell] {
             self.to_goal[cell] = way;
-            self.heap.push(Open { way, cell });
+            self.heap.push(OpenCell { way, cell });
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::passage::Axis;
+use super::passage::GateAxis;
 use super::probe::Probe;
 use crate::motion::wrapped;
 
@@ -21,7 +21,7 @@ pub(super) struct Headings {
 impl Headings {
     /// So many even parts of a turn from the start's heading, the goal's heading, and those of
     /// the first passages.
-    pub(super) fn set(&mut self, probe: &Probe<'_>, parts: u16, axes: &[Axis]) {
+    pub(super) fn set(&mut self, probe: &Probe<'_>, parts: u16, axes: &[GateAxis]) {
         self.all.clear();
         for part in 0..parts {
             self.all.push(TAU * f64::from(part) / f64::from(parts));
@@ -31,7 +31,7 @@ impl Headings {
             self.add(heading + PI);
         }
         let most = self.all.len() + 2 * MOST_PASSAGES;
-        for Axis { direction, .. } in axes {
+        for GateAxis { direction, .. } in axes {
             if self.all.len() < most {
                 let heading = libm::atan2(direction.y, direction.x);
                 self.add(heading);

@@ -23,7 +23,7 @@ const STEPS_PER_FACE: u64 = 16;
 
 /// A straight line through a narrow passage.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Axis {
+pub(super) struct GateAxis {
     /// A point in the middle of the passage, metres.
     pub(super) middle: Vector<2>,
     /// Unit vector.
@@ -32,7 +32,7 @@ pub(super) struct Axis {
     way: f64,
 }
 
-impl Axis {
+impl GateAxis {
     /// The nearest places before and after it where the robot can turn, if it can drive straight
     /// from one to the other.
     pub(super) fn ends(&self, probe: &Probe<'_>) -> Result<Option<[Vector<2>; 2]>, Spent> {
@@ -50,7 +50,11 @@ impl Axis {
 
 /// Finds the lines through narrow passages: midway between two corners, or between a corner and
 /// a wall, at a right angle to the gap or along the walls beside it.
-pub(super) fn find(probe: &Probe<'_>, field: &Field, axes: &mut Vec<Axis>) -> Result<(), Spent> {
+pub(super) fn find(
+    probe: &Probe<'_>,
+    field: &Field,
+    axes: &mut Vec<GateAxis>,
+) -> Result<(), Spent> {
     axes.clear();
     let floor = probe.errand.floor;
     let shortest = field.to_goal(&Vector::zeros());
@@ -66,7 +70,7 @@ pub(super) fn find(probe: &Probe<'_>, field: &Field, axes: &mut Vec<Axis>) -> Re
             // Either sense is the same line.
             let is_left = direction.x < -SAME || direction.x <= SAME && direction.y < 0.0;
             let direction = if is_left { -direction } else { *direction };
-            axes.push(Axis { middle, direction, way });
+            axes.push(GateAxis { middle, direction, way });
         }
     };
     for index in 0..count {
@@ -113,8 +117,8 @@ pub(super) fn find(probe: &Probe<'_>, field: &Field, axes: &mut Vec<Axis>) -> Re
     }
     // In an order that does not depend on the triangulation, nor on rounding.
     let unit = SAME * probe.swing;
-    let key = |axis: &Axis| {
-        let Axis { middle, direction, way } = axis;
+    let key = |axis: &GateAxis| {
+        let GateAxis { middle, direction, way } = axis;
         [way / unit, middle.x / unit, middle.y / unit, direction.x / SAME, direction.y / SAME]
             .map(|part| libm::round(part) as i64)
     };

@@ -1,8 +1,8 @@
 //! Shortens tracks with arcs.
 
-use super::car::Track;
+use super::car::ArcTrack;
 use super::probe::Probe;
-use super::steer::{Piece, Place, SAME_COST, Steering, Word};
+use super::steer::{SAME_COST, SteerPlace, Steered, Steering, Word};
 use crate::budget::Spent;
 use crate::geometry::unit;
 use crate::motion::{Curve, wrapped};
@@ -31,7 +31,7 @@ const WORTH_ROUND: f64 = 1e-3;
 
 /// Lowers the cost of a track.
 pub(super) fn smooth(
-    track: &mut Track,
+    track: &mut ArcTrack,
     steering: &Steering,
     probe: &Probe<'_>,
 ) -> Result<(), Spent> {
@@ -53,11 +53,11 @@ pub(super) fn smooth(
 
 /// The curves of a track: pieces of one line or circle are one.
 pub(super) fn curves(
-    track: &Track,
+    track: &ArcTrack,
     steering: &Steering,
     probe: &Probe<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    let mut pieces: Vec<Piece> = Vec::new();
+    let mut pieces: Vec<Steered> = Vec::new();
     for piece in track.words.iter().flat_map(|word| word.pieces()) {
         match pieces.last_mut() {
             Some(last) if last.along == piece.along && last.back == piece.back => {
@@ -94,7 +94,7 @@ fn cost_of(words: &[Word], steering: &Steering) -> f64 {
 }
 
 /// Places along a track, evenly.
-fn places_on(track: &Track, steering: &Steering) -> Vec<Place> {
+fn places_on(track: &ArcTrack, steering: &Steering) -> Vec<SteerPlace> {
     let total: f64 =
         track.words.iter().flat_map(|word| word.pieces()).map(|piece| piece.size).sum();
     let apart = (total / MOST_PLACES as f64).max(1e-9);
@@ -108,7 +108,7 @@ fn places_on(track: &Track, steering: &Steering) -> Vec<Place> {
             while since + (piece.size - done) > apart * (1.0 + ROUNDING) {
                 done += apart - since;
                 since = 0.0;
-                places.push(steering.follow(&at, &Piece { size: done, ..*piece }));
+                places.push(steering.follow(&at, &Steered { size: done, ..*piece }));
             }
             since += piece.size - done;
             at = steering.follow(&at, piece);
@@ -125,7 +125,7 @@ fn places_on(track: &Track, steering: &Steering) -> Vec<Place> {
     thin(places)
 }
 
-fn thin(places: Vec<Place>) -> Vec<Place> {
+fn thin(places: Vec<SteerPlace>) -> Vec<SteerPlace> {
     let every = places.len().div_ceil(2 * MOST_PLACES);
     let last = places.len() - 1;
     let is_kept = |index: &usize| index % every == 0 || *index == last;
@@ -134,7 +134,7 @@ fn thin(places: Vec<Place>) -> Vec<Place> {
 
 /// The least costly motion to a place that is free and costs less than `most`.
 fn best_word(
-    (from, to): (&Place, &Place),
+    (from, to): (&SteerPlace, &SteerPlace),
     is_last: bool,
     (steering, most): (&Steering, f64),
     words: &mut Vec<Word>,
@@ -153,10 +153,10 @@ fn best_word(
 
 /// The least costly way along some of the places, in order.
 fn shortcut(
-    places: &[Place],
+    places: &[SteerPlace],
     steering: &Steering,
     probe: &Probe<'_>,
-) -> Result<Option<Track>, Spent> {
+) -> Result<Option<ArcTrack>, Spent> {
     let last = places.len() - 1;
     let mut best: Vec<(f64, usize, Option<Word>)> = vec![(f64::INFINITY, 0, None); places.len()];
     best[0].0 = 0.0;
@@ -182,7 +182,7 @@ fn shortcut(
             }
         }
     }
-    let mut track = Track::default();
+    let mut track = ArcTrack::default();
     let mut at = last;
     while let Some(word) = best[at].2 {
         track.places.push(places[at]);
@@ -199,7 +199,7 @@ fn shortcut(
 }
 
 /// Moves and turns the places as long as that lowers the cost.
-fn descend(track: &mut Track, steering: &Steering, probe: &Probe<'_>) -> Result<(), Spent> {
+fn descend(track: &mut ArcTrack, steering: &Steering, probe: &Probe<'_>) -> Result<(), Spent> {
     let mut words = Vec::new();
     let mut part = FIRST_STEP;
     while part > LAST_STEP {
@@ -221,25 +221,25 @@ fn descend(track: &mut Track, steering: &Steering, probe: &Probe<'_>) -> Result<
 }
 
 /// A place a little ahead, behind, to the left or right, or turned.
-fn moved(place: &Place, way: usize, part: f64, steering: &Steering) -> Place {
+fn moved(place: &SteerPlace, way: usize, part: f64, steering: &Steering) -> SteerPlace {
     let by = if way % 2 == 0 { part } else { -part };
     let step = by * steering.radius;
     let ahead = unit(place.heading);
     match way / 2 {
-        0 => Place { at: place.at + ahead * step, ..*place },
-        1 => Place {
+        0 => SteerPlace { at: place.at + ahead * step, ..*place },
+        1 => SteerPlace {
             at: place.at + crate::geometry::Vector::<2>::new(-ahead.y, ahead.x) * step,
             ..*place
         },
-        _ => Place { heading: wrapped(place.heading + by), ..*place },
+        _ => SteerPlace { heading: wrapped(place.heading + by), ..*place },
     }
 }
 
 /// Leads the track through another place if that costs less; whether it does.
 fn replace(
-    track: &mut Track,
+    track: &mut ArcTrack,
     index: usize,
-    to: &Place,
+    to: &SteerPlace,
     part: f64,
     steering: &Steering,
     words: &mut Vec<Word>,

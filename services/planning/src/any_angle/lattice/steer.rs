@@ -26,7 +26,7 @@ const STEPS_PER_JOIN: u64 = 60;
 
 /// In the start pose's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(super) struct SteerPlace {
     pub(super) at: Vector<2>,
     /// Radians.
     pub(super) heading: f64,
@@ -34,7 +34,7 @@ pub(super) struct Place {
 
 /// What a piece of a motion follows. A side of 1 is to the left of the robot, -1 to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Along {
+pub(super) enum RunAlong {
     Line,
     /// A circle whose centre is on this side.
     Circle(f64),
@@ -44,23 +44,23 @@ pub(super) enum Along {
 
 /// A piece of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Piece {
-    pub(super) along: Along,
+pub(super) struct Steered {
+    pub(super) along: RunAlong,
     /// Metres; radians for a turn in place.
     pub(super) size: f64,
     pub(super) back: bool,
 }
 
-impl Piece {
+impl Steered {
     fn is_turn(&self) -> bool {
-        matches!(self.along, Along::Turn(_))
+        matches!(self.along, RunAlong::Turn(_))
     }
 }
 
 /// Up to three pieces in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Word {
-    pieces: [Piece; 3],
+    pieces: [Steered; 3],
     count: usize,
     /// Length, turns in place, stops and changes, metres.
     pub(super) cost: f64,
@@ -68,12 +68,12 @@ pub(super) struct Word {
 
 impl Word {
     pub(super) const NOTHING: Self = Self {
-        pieces: [Piece { along: Along::Line, size: 0.0, back: false }; 3],
+        pieces: [Steered { along: RunAlong::Line, size: 0.0, back: false }; 3],
         count: 0,
         cost: 0.0,
     };
 
-    pub(super) fn pieces(&self) -> &[Piece] {
+    pub(super) fn pieces(&self) -> &[Steered] {
         &self.pieces[..self.count]
     }
 }
@@ -96,7 +96,7 @@ impl Steering {
     }
 
     /// A word of up to three pieces, without those that are nothing.
-    pub(super) fn word(&self, pieces: &[Piece]) -> Word {
+    pub(super) fn word(&self, pieces: &[Steered]) -> Word {
         let mut word = Word::NOTHING;
         for piece in pieces {
             let least = if piece.is_turn() { NOTHING } else { NOTHING * self.radius };
@@ -105,7 +105,7 @@ impl Steering {
             }
             word.cost += self.cost_between(word.pieces().last(), piece);
             word.cost += match piece.along {
-                Along::Turn(_) => self.turn.unwrap_or(0.0) * piece.size,
+                RunAlong::Turn(_) => self.turn.unwrap_or(0.0) * piece.size,
                 _ => piece.size,
             };
             word.pieces[word.count] = *piece;
@@ -115,7 +115,7 @@ impl Steering {
     }
 
     /// What one piece after another costs, metres: a stop, or a little for the change alone.
-    fn cost_between(&self, before: Option<&Piece>, after: &Piece) -> f64 {
+    fn cost_between(&self, before: Option<&Steered>, after: &Steered) -> f64 {
         match before {
             None => 0.0,
             Some(before) if before.along == after.along && before.back == after.back => 0.0,
@@ -134,32 +134,32 @@ impl Steering {
     }
 
     /// Where a piece leads.
-    pub(super) fn follow(&self, from: &Place, piece: &Piece) -> Place {
+    pub(super) fn follow(&self, from: &SteerPlace, piece: &Steered) -> SteerPlace {
         let forth = if piece.back { -piece.size } else { piece.size };
         match piece.along {
-            Along::Line => Place { at: from.at + unit(from.heading) * forth, ..*from },
-            Along::Circle(side) => {
+            RunAlong::Line => SteerPlace { at: from.at + unit(from.heading) * forth, ..*from },
+            RunAlong::Circle(side) => {
                 let center = self.center(from, side);
                 let heading = from.heading + side * forth / self.radius;
                 let at = center - normal(heading) * (side * self.radius);
-                Place { at, heading: wrapped(heading) }
+                SteerPlace { at, heading: wrapped(heading) }
             }
-            Along::Turn(side) => {
-                Place { heading: wrapped(from.heading + side * piece.size), ..*from }
+            RunAlong::Turn(side) => {
+                SteerPlace { heading: wrapped(from.heading + side * piece.size), ..*from }
             }
         }
     }
 
     /// The curve of a piece.
-    pub(super) fn curve(&self, from: &Place, piece: &Piece, probe: &Probe<'_>) -> Curve<2> {
+    pub(super) fn curve(&self, from: &SteerPlace, piece: &Steered, probe: &Probe<'_>) -> Curve<2> {
         match piece.along {
-            Along::Line => {
+            RunAlong::Line => {
                 let to = self.follow(from, piece);
                 let heading = probe.world_heading(from.heading);
                 let [from, to] = [&from.at, &to.at].map(|point| probe.to_world(point));
                 Curve::Line { from, to, heading, turned: 0.0 }
             }
-            Along::Circle(side) => {
+            RunAlong::Circle(side) => {
                 let forth = if piece.back { -1.0 } else { 1.0 };
                 Curve::Arc {
                     center: probe.to_world(&self.center(from, side)),
@@ -169,7 +169,7 @@ impl Steering {
                     reverse: piece.back,
                 }
             }
-            Along::Turn(side) => Curve::Turn {
+            RunAlong::Turn(side) => Curve::Turn {
                 position: probe.to_world(&from.at),
                 from_heading: probe.world_heading(from.heading),
                 sweep: side * piece.size,
@@ -180,10 +180,10 @@ impl Steering {
     /// Whether the robot can drive a word; returns where it ends.
     pub(super) fn drive(
         &self,
-        from: &Place,
-        pieces: &[Piece],
+        from: &SteerPlace,
+        pieces: &[Steered],
         probe: &Probe<'_>,
-    ) -> Result<Option<Place>, Spent> {
+    ) -> Result<Option<SteerPlace>, Spent> {
         let mut at = *from;
         for piece in pieces {
             if !probe.is_free(&self.curve(&at, piece, probe))? {
@@ -198,7 +198,7 @@ impl Steering {
     /// less than `most`: in order of cost.
     pub(super) fn join(
         &self,
-        from: &Place,
+        from: &SteerPlace,
         (to, heading): (&Vector<2>, Option<f64>),
         most: f64,
         words: &mut Vec<Word>,
@@ -214,7 +214,7 @@ impl Steering {
                 continue;
             };
             for last_side in [1.0, -1.0] {
-                let goal = Place { at: *to, heading };
+                let goal = SteerPlace { at: *to, heading };
                 self.join_pose(from, [side, last_side], &goal, most, words);
             }
         }
@@ -223,13 +223,13 @@ impl Steering {
         Ok(())
     }
 
-    fn center(&self, from: &Place, side: f64) -> Vector<2> {
+    fn center(&self, from: &SteerPlace, side: f64) -> Vector<2> {
         from.at + normal(from.heading) * (side * self.radius)
     }
 
     fn join_point(
         &self,
-        from: &Place,
+        from: &SteerPlace,
         (side, center): (f64, &Vector<2>),
         to: &Vector<2>,
         most: f64,
@@ -239,7 +239,7 @@ impl Steering {
         let Some(angles) = line_headings(&apart, -side * self.radius) else { return };
         for (heading, back) in angles.into_iter().zip([false, true]) {
             let begins = center - normal(heading) * (side * self.radius);
-            let line = Piece { along: Along::Line, size: (to - begins).norm(), back };
+            let line = Steered { along: RunAlong::Line, size: (to - begins).norm(), back };
             if back && !self.reverse {
                 continue;
             }
@@ -251,9 +251,9 @@ impl Steering {
 
     fn join_pose(
         &self,
-        from: &Place,
+        from: &SteerPlace,
         sides: [f64; 2],
-        to: &Place,
+        to: &SteerPlace,
         most: f64,
         words: &mut Vec<Word>,
     ) {
@@ -277,7 +277,7 @@ impl Steering {
             let across = normal(heading) * self.radius;
             let ends = [centers[0] - across * sides[0], centers[1] - across * sides[1]];
             let size = (ends[1] - ends[0]).dot(&along).abs();
-            let line = Piece { along: Along::Line, size, back };
+            let line = Steered { along: RunAlong::Line, size, back };
             for first in self.arcs(sides[0], heading - from.heading) {
                 for last in self.arcs(sides[1], to.heading - heading) {
                     self.offer(&[first, line, last], most, words);
@@ -288,7 +288,7 @@ impl Steering {
 
     fn join_by_turns(
         &self,
-        from: &Place,
+        from: &SteerPlace,
         (to, heading): (&Vector<2>, Option<f64>),
         most: f64,
         words: &mut Vec<Word>,
@@ -309,7 +309,7 @@ impl Steering {
         for back in self.senses() {
             let direction = libm::atan2(way.y, way.x);
             let ahead = if *back { direction + PI } else { direction };
-            let line = Piece { along: Along::Line, size, back: *back };
+            let line = Steered { along: RunAlong::Line, size, back: *back };
             for first in turns(ahead - from.heading) {
                 let Some(heading) = heading else {
                     self.offer(&[first, line], most, words);
@@ -322,7 +322,7 @@ impl Steering {
         }
     }
 
-    fn offer(&self, pieces: &[Piece], most: f64, words: &mut Vec<Word>) {
+    fn offer(&self, pieces: &[Steered], most: f64, words: &mut Vec<Word>) {
         let word = self.word(pieces);
         if word.cost < most {
             words.push(word);
@@ -330,7 +330,7 @@ impl Steering {
     }
 
     /// Both ways round a circle to a heading.
-    fn arcs(&self, side: f64, turn: f64) -> impl Iterator<Item = Piece> + use<> {
+    fn arcs(&self, side: f64, turn: f64) -> impl Iterator<Item = Steered> + use<> {
         let left = side * turn;
         let mut angle = left - TAU * (left / TAU).floor();
         if TAU - angle <= NOTHING {
@@ -338,8 +338,8 @@ impl Steering {
         }
         let (radius, count) = (self.radius, if self.reverse && angle > NOTHING { 2 } else { 1 });
         let both = [(angle, false), (TAU - angle, true)];
-        both.into_iter().take(count).map(move |(angle, back)| Piece {
-            along: Along::Circle(side),
+        both.into_iter().take(count).map(move |(angle, back)| Steered {
+            along: RunAlong::Circle(side),
             size: radius * angle,
             back,
         })
@@ -347,12 +347,12 @@ impl Steering {
 }
 
 /// Both ways round by an angle, the shorter one first; only one of a full turn.
-fn turns(angle: f64) -> impl Iterator<Item = Piece> {
+fn turns(angle: f64) -> impl Iterator<Item = Steered> {
     let short = wrapped(angle);
     let side = 1.0_f64.copysign(short);
     let count = if short.abs() > NOTHING { 2 } else { 1 };
     let both = [(short.abs(), side), (TAU - short.abs(), -side)];
-    let piece = |(size, side)| Piece { along: Along::Turn(side), size, back: false };
+    let piece = |(size, side)| Steered { along: RunAlong::Turn(side), size, back: false };
     both.into_iter().take(count).map(piece)
 }
 

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 
 use super::scene::{Room, floor, rooms};
-use crate::any_angle::{Abilities, Costs, Errand, RobotMotion, NoMotion, Planner, Wish, drive};
+use crate::any_angle::{Abilities, Costs, Errand, NoMotion, Planner, RobotMotion, Wish, drive};
 use crate::budget::Budget;
 use crate::clearance::rectangle::Footprint;
 use crate::driving::{Goal, Pose, StartTurn};
