@@ -193,3 +193,27 @@ fn a_name_stands_alone_and_must_be_known() {
     let assembly = named("").replacen("drive", "assemble", 1);
     assert_eq!(refusal(&assembly).code, ErrorCode::InvalidScene);
 }
+
+/// Of two corners of a turning robot, the one farther from its reference point decides.
+#[test]
+fn the_greatest_gap_is_that_of_the_longer_end() {
+    let corner = |gap: f64, front: f64, rear: f64| {
+        format!(
+            r#"{{ "task": "drive", "sampling": {{ "count": 2 }},
+            "free_space": {{ "channels": [{{ "min": [0, 0], "max": [3, 20] }},
+                {{ "min": [0, 17], "max": [20, 20] }}], "in_order": true }},
+            "body": {{ "footprint": {{ "width": 1, "front": {front}, "rear": {rear} }} }},
+            "start": {{ "position": [1.5, 2], "heading": 1.5707963267948966 }},
+            "goal": {{ "position": [18, 18.5] }}, "clearance": {{ "gap": {gap} }} }}"#
+        )
+    };
+    // The outer corners run on a circle that the outer walls, 3 m from the corner, must enclose.
+    let most = f64::sqrt(3.0 * 3.0 - 1.25 * 1.25) - 1.0;
+    for (front, rear) in [(1.25, 0.25), (0.25, 1.25)] {
+        let refusal = refusal(&corner(most + 1e-6, front, rear));
+        assert_eq!(refusal.code, ErrorCode::GapOutOfRange, "{refusal:?}");
+        assert!((refusal.most.unwrap() - most).abs() < 1e-12, "{refusal:?}");
+        let clearance = trajectory(&corner(most - 1e-6, front, rear)).clearance;
+        assert!(clearance.value > 0.0 && clearance.value < 1e-5, "{clearance:?}");
+    }
+}

@@ -72,7 +72,9 @@ fn answers_table(answers: &[Answer]) -> Table {
 }
 
 fn legs_table(legs: &[Leg]) -> Table {
-    let mut table = table(&["leg", "from", "to", "length", "clearance", "rule"]);
+    let has_rungs = legs.iter().any(|leg| leg.rung.is_some());
+    let rung = if has_rungs { &["rung"][..] } else { &[] };
+    let mut table = table(&[&["leg", "from", "to", "length", "clearance", "rule"], rung].concat());
     for leg in legs {
         let (from, to) = match &leg.curve {
             Curve::Line { from, to, .. } => (point(from), point(to)),
@@ -84,8 +86,9 @@ fn legs_table(legs: &[Leg]) -> Table {
                 (point(position), format!("{:+.1}°", sweep.to_degrees()))
             }
         };
-        table.add_row([
-            leg.curve.kind().to_string(),
+        let reverse = if leg.reverse { ", reverse" } else { "" };
+        let mut row = vec![
+            format!("{}{reverse}", leg.curve.kind()),
             from,
             to,
             format!("{:.6} m", leg.length),
@@ -94,7 +97,11 @@ fn legs_table(legs: &[Leg]) -> Table {
                 let junction = leg.junction.map_or(String::new(), |at| format!(", junction {at}"));
                 format!("{rule}{junction}")
             }),
-        ]);
+        ];
+        if has_rungs {
+            row.push(leg.rung.map_or(String::new(), |rung| rung.to_string()));
+        }
+        table.add_row(row);
     }
     table
 }
@@ -129,4 +136,33 @@ pub fn gaps(trajectory: &Trajectory) -> String {
 fn number(value: f64) -> String {
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use schemas::message::Rung;
+
+    use super::*;
+
+    #[test]
+    fn legs_say_how_they_were_found_and_driven() {
+        let turn = Curve::Turn {
+            position: [1.0, 2.0].into(),
+            from_heading: 0.0,
+            to_heading: 1.0,
+            sweep: 1.0,
+        };
+        let (from, to) = ([1.0, 2.0].into(), [3.0, 2.0].into());
+        let line = Curve::Line { from, to, heading: 0.0, turned: 0.0 };
+        let plain = [Leg::new(turn, 0.0, 0.5), Leg::new(line, 2.0, 0.25)];
+        let text = legs_table(&plain).to_string();
+        assert!(!text.contains("rung") && !text.contains("reverse"), "{text}");
+        let legs = plain.map(|leg| Leg { rung: Some(Rung::Aligned), ..leg });
+        let legs = [legs[0], Leg { reverse: true, ..legs[1] }];
+        let text = legs_table(&legs).to_string();
+        let rows: Vec<&str> = text.lines().collect();
+        assert!(rows[0].trim_end().ends_with("rung"), "{text}");
+        assert!(rows[2].trim_start().starts_with("line, reverse"), "{text}");
+        assert!(rows[1..].iter().all(|row| row.trim_end().ends_with("aligned")), "{text}");
+    }
 }

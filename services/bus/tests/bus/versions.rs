@@ -8,8 +8,8 @@ use bus::{
     Client, ConnectError, Incoming, ReplyError, Server, ServerOptions, TapEvent, TapMessage,
     TapReader, Wait,
 };
-use schemas::convert;
-use schemas::message::{ErrorCode, Refusal, RequestContent};
+use schemas::convert::{self, Certificate, TrajectoryWriter};
+use schemas::message::{ErrorCode, Leg, Refusal, RequestContent, Rung, Trajectory};
 use schemas::wire::{self, previous};
 
 use crate::process::Process;
@@ -136,6 +136,67 @@ fn what_version_1_does_not_know_is_told_in_its_words() {
             other => panic!("{other:?}"),
         }
     }
+}
+
+/// Answers with all that a trajectory of version 2 has.
+fn answer_in_full(incoming: &mut Incoming) -> Result<(), ReplyError> {
+    let wire::RequestHeader { client, sequence, .. } = incoming.header();
+    let mut header = wire::ReplyHeader {
+        version: wire::VERSION,
+        dimension: 2,
+        client,
+        sequence,
+        answers: 1,
+        gaps_per_junction: 1,
+        ..wire::ReplyHeader::default()
+    };
+    let certificate = Certificate { bound: Some(2.0), free_clearance: Some(0.5), complete: false };
+    header.set_certificate(certificate);
+    let leg = wire::Leg {
+        kind: 1,
+        rung: wire::Leg::rung_code(Some(Rung::Reverse)),
+        reverse: 1,
+        junction: u64::MAX,
+        radius: 1.5,
+        ..wire::Leg::default()
+    };
+    TrajectoryWriter {
+        gaps: std::iter::once(0.1),
+        route: [3, 4].into_iter(),
+        channels: std::iter::once(boxed(1.0, 5.0)),
+        legs: [leg, wire::Leg { radius: 2.5, ..leg }].into_iter(),
+        samples: std::iter::once(wire::Sample { t: 1.0, ..wire::Sample::default() }),
+    }
+    .write(&mut header, true, &mut incoming.reply())
+}
+
+#[test]
+fn trajectories_reach_old_clients_without_what_is_new() {
+    let test = TestDomain::new();
+    let _planner = Planner::start_with(&test.domain, ServerOptions::default(), answer_in_full);
+    let mut tap = TapReader::connect(&test.domain).unwrap();
+    let new = Client::connect(&test.domain, Wait::Event).unwrap();
+    let whole = new.call(&scene(1, 1), LONG).unwrap().answers.unwrap().remove(0).unwrap();
+    assert_eq!((whole.bound, whole.free_clearance, whole.complete), (Some(2.0), Some(0.5), false));
+    assert!(whole.legs.iter().all(|leg| leg.reverse && leg.rung == Some(Rung::Reverse)));
+
+    let old = OldClient::connect(test.name(), 5).call(&scene(2, 1)).content.unwrap();
+    let legs = whole.legs.iter().map(|leg| Leg { reverse: false, rung: None, ..*leg });
+    let expected = Trajectory {
+        bound: None,
+        free_clearance: None,
+        complete: true,
+        legs: legs.collect(),
+        ..whole.clone()
+    };
+    assert_eq!(old, expected);
+
+    // Recorders see all of it, whoever asked.
+    let replies = std::iter::from_fn(|| tap.receive()).filter_map(|event| match event {
+        TapEvent::Message(TapMessage::Reply(part)) => Some(part.content.unwrap()),
+        _ => None,
+    });
+    assert_eq!(replies.collect::<Vec<_>>(), [whole.clone(), whole]);
 }
 
 #[test]
