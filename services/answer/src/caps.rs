@@ -15,9 +15,10 @@ use crate::refuse;
 pub struct Caps {
     /// The size of a request, in cells of 8 bytes. 2^26: 512 MiB.
     pub cells: usize,
-    /// Steps of any kind, all answers to a request together. Bounds time: 5 to 50 ns each. 2^28.
+    /// Steps of any kind, all answers to a request together. Bounds time: about 10 ns
+    /// each. 10^9.
     pub steps: u64,
-    /// Bytes of working memory held for a request at a time. 2^29: 512 MiB.
+    /// Bytes of memory held for a request at a time, its replies included. 2^30: 1 GiB.
     pub bytes: u64,
     /// Answers to one request (`each`, `curve`). Bounds time. 10,000.
     pub answers: u64,
@@ -41,8 +42,8 @@ impl Default for Caps {
     fn default() -> Self {
         Self {
             cells: 1 << 26,
-            steps: 1 << 28,
-            bytes: 1 << 29,
+            steps: 1_000_000_000,
+            bytes: 1 << 30,
             answers: 10_000,
             samples: 1_000_000,
             pieces: 1 << 20,

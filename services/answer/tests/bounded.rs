@@ -75,6 +75,37 @@ fn samples_are_bounded_together() {
     all[2..].iter().for_each(|answer| check_costly(answer, "bytes"));
 }
 
+/// All answers draw from one budget: those that are found stand, and the others name what it
+/// allows and how to stay within.
+#[test]
+fn answers_are_bounded_together() {
+    let scene = crowd(20);
+    let one = (1..24)
+        .map(|power| Caps { steps: 1 << power, ..Caps::default() })
+        .find(|caps| answers(&scene, caps)[0].is_ok())
+        .expect("enough steps for one answer");
+    // Ten answers that take about as long each.
+    let scene = each(&scene, 10);
+    let whole = answers(&scene, &Caps::default());
+    assert!(whole.iter().all(Result::is_ok));
+    let all = answers(&scene, &one);
+    let found = all.iter().take_while(|answer| answer.is_ok()).count();
+    assert!((1..5).contains(&found), "{found} answers");
+    assert_eq!(all[..found], whole[..found]);
+    let said = format!(
+        "planning takes more than {} steps (`caps.steps`); ask for fewer answers, or describe the \
+         free space with fewer channels or solids",
+        one.steps
+    );
+    for answer in &all[found..] {
+        check_costly(answer, "steps");
+        let refusal = answer.as_ref().unwrap_err();
+        assert_eq!((refusal.most, &refusal.message), (Some(one.steps as f64), &said));
+    }
+    // Each alone is within the budget.
+    assert!(answers(&each(&crowd(20), 1), &one)[0].is_ok());
+}
+
 /// A robot that is where it is to go stays there: one sample, and a length that is 0.
 #[test]
 fn robot_at_its_goal_stays() {

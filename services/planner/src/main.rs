@@ -27,8 +27,8 @@ Settings in FILE (TOML), with their defaults:
   cache = 268435456        # bytes kept between requests, mostly of free spaces; 0 keeps none
   [caps]                   # what one request may cost; more is refused as too_costly
   cells = 67108864         # size of the request, in cells of 8 bytes
-  steps = 268435456        # steps of planning, all answers together (5 to 50 ns each)
-  bytes = 536870912        # bytes of working memory held at a time
+  steps = 1000000000       # steps of planning, all answers together (about 10 ns each)
+  bytes = 1073741824       # bytes of memory held at a time, replies included
   answers = 10000          # answers to the request
   samples = 1000000        # samples of one trajectory (72 bytes of reply each)
   pieces = 1048576         # boxes that the solids are cut into (200 bytes each)

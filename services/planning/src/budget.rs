@@ -14,7 +14,8 @@ use thiserror::Error;
 /// What is counted; each has its own limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Cap {
-    /// Steps of any kind, all answers to the request together.
+    /// Steps of any kind, all answers to the request together. A step takes about 10 ns; what
+    /// takes longer counts as several, what is quicker is counted together.
     Steps,
     /// Bytes of working memory held for the request at a time.
     Bytes,

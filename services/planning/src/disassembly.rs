@@ -12,6 +12,9 @@ use thiserror::Error;
 
 mod table;
 
+/// Steps of the budget that the rule for one junction takes.
+const STEPS_PER_CHANNEL: u64 = 2;
+
 /// The gap that the body keeps from the sides of a junction (condition 3.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gap<'a, const D: usize> {
@@ -187,7 +190,7 @@ pub fn disassemble<const D: usize>(
     path: &mut DisassemblyPath<D>,
     budget: &Budget<'_>,
 ) -> Result<(), DisassemblyError> {
-    budget.step(chain.channels().len() as u64)?;
+    budget.step(STEPS_PER_CHANNEL * chain.channels().len() as u64)?;
     let (Some(first), Some(mouth)) = (chain.channels().first(), chain.mouth()) else {
         return Err(DisassemblyError::NoChannels);
     };

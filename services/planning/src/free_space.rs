@@ -13,6 +13,9 @@ pub mod graph;
 pub mod solids;
 pub mod walls;
 
+/// Steps of the budget that finding the junction and the axis of one channel takes.
+const STEPS_PER_CHANNEL: u64 = 2;
+
 /// How the last channel is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End<const D: usize> {
@@ -131,7 +134,7 @@ impl<const D: usize> Chain<D> {
         budget: &Budget<'_>,
     ) -> Result<(), ChainError> {
         self.clear();
-        budget.step(channels.len() as u64)?;
+        budget.step(STEPS_PER_CHANNEL * channels.len() as u64)?;
         let result = self.try_build(channels, start, end);
         if result.is_err() {
             self.clear();

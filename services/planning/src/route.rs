@@ -51,11 +51,20 @@ const LEAST_EFFORT: usize = 3 << 18;
 /// Ways compared in the time that one pair of junctions takes.
 const LOOKS_OF_A_STEP: usize = 32;
 
+/// Steps of the budget that a pair of junctions takes, each way into the second of them, and
+/// each way found before that it is compared with.
+const STEPS_PER_PAIR: usize = 4;
+const STEPS_PER_WAY: u64 = 10;
+const STEPS_PER_LOOK: usize = 1;
+
 /// For every slot its first label, and the directions that lead on.
 const BYTES_PER_SLOT: usize = size_of::<u32>() + size_of::<u8>();
 
-/// Slots cleared in the time that one pair of junctions takes.
+/// Slots cleared in one step.
 const SLOTS_PER_STEP: u64 = 16;
+
+/// Channels passed over in one step.
+const CHANNELS_PER_STEP: u64 = 4;
 
 /// Directions not known yet.
 const UNKNOWN: u8 = u8::MAX;
@@ -137,6 +146,8 @@ pub struct Router<const D: usize, M: Mover<D>> {
     steps: usize,
     /// Steps and looks drawn from the budget so far.
     drawn: usize,
+    /// What of their time has been drawn, steps.
+    worked: usize,
     /// Comparisons of a new way with a known one.
     looks: usize,
     route: Vec<usize>,
@@ -157,6 +168,7 @@ impl<const D: usize, M: Mover<D>> Default for Router<D, M> {
             seen: Vec::new(),
             steps: 0,
             drawn: 0,
+            worked: 0,
             looks: 0,
             route: Vec::new(),
             length: 0.0,
@@ -249,7 +261,7 @@ impl<const D: usize, M: Mover<D>> Router<D, M> {
             return Err(RouteError::NoChannels);
         }
         let traveller = *mover.traveller();
-        budget.step(graph.channels().len() as u64)?;
+        budget.step(graph.channels().len() as u64 / CHANNELS_PER_STEP)?;
         let mouth = match traveller.end {
             End::Exit(exit) => farthest(graph.channels(), exit),
             End::Goal(_) => None,
@@ -325,7 +337,7 @@ impl<const D: usize, M: Mover<D>> Router<D, M> {
         judge: &mut Judge<'_, T>,
     ) -> Result<T, RouteError> {
         search.budget.restart(Cap::RouteSteps);
-        (self.steps, self.looks, self.drawn) = (0, 0, 0);
+        (self.steps, self.looks, self.drawn, self.worked) = (0, 0, 0, 0);
         let is_bounded = bounds.0.is_finite();
         for blocked in 0..MOST_BLOCKED {
             match self.search(search, mover, bounds, judge)? {
@@ -461,6 +473,9 @@ impl<const D: usize, M: Mover<D>> Router<D, M> {
             }
             search.budget.draw(Cap::RouteSteps, (steps - self.drawn) as u64)?;
             self.drawn = steps;
+            let work = STEPS_PER_PAIR * self.steps + STEPS_PER_LOOK * self.looks;
+            search.budget.step((work - self.worked) as u64)?;
+            self.worked = work;
         }
         Ok(Found::Nothing)
     }

@@ -29,6 +29,9 @@ pub const TIE: f64 = 1e-12;
 /// Every other clearance is exact to rounding.
 pub const TURNING_WHILE_MOVING_BOUND: f64 = 1e-9;
 
+/// Steps of the budget that the motion along one curve takes against one wall.
+const STEPS_PER_WALL: u64 = 5;
+
 /// The rectangle that a mobile robot covers. Poses are those of its reference point, which
 /// lies midway between its sides and anywhere from its front to its rear.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -332,12 +335,12 @@ fn search(
     if let Look::Within(reach) = look {
         walls.near(&min, &max, reach, budget, |_, wall| {
             if spent.is_ok() {
-                spent = meet(wall, &mut met);
+                spent = budget.step(STEPS_PER_WALL).and_then(|()| meet(wall, &mut met));
             }
         })?;
     } else {
         walls.nearest(&min, &max, budget, |_, wall| {
-            spent = meet(wall, &mut met);
+            spent = budget.step(STEPS_PER_WALL).and_then(|()| meet(wall, &mut met));
             match look {
                 _ if spent.is_err() => -1.0,
                 Look::Until(least) if met.value <= least => -1.0,

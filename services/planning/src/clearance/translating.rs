@@ -13,8 +13,11 @@ use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Vector};
 use crate::motion::{Curve, Leg};
 
-/// Cost of measuring an edge of the body against a wall, in looks at a wall.
-const STEPS_PER_EDGE: u64 = 2;
+/// Steps that a box against a wall takes.
+const STEPS_PER_WALL: u64 = 2;
+
+/// Steps that an edge of the body against a wall takes.
+const STEPS_PER_EDGE: u64 = 8;
 
 /// The moving body in its assembled state.
 #[derive(Debug, Clone, Copy)]
@@ -171,6 +174,10 @@ fn leg_clearance<const D: usize>(
         Nearest { value: f64::INFINITY, at: f64::INFINITY, wall: 0, point: nowhere, rounding };
     let mut spent = Ok(());
     walls.nearest(&min, &max, budget, |index, wall| {
+        spent = budget.step(STEPS_PER_WALL);
+        if spent.is_err() {
+            return -1.0;
+        }
         let (low, high) = wall.bounds();
         // The Minkowski sum of wall and reflected body, and a lower bound by boxes.
         let (low, high) = (low - body.bounds.max(), high - body.bounds.min());

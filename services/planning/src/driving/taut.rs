@@ -29,7 +29,7 @@ pub(super) const ROUNDED: f64 = 1e-9;
 const CLEARED: f64 = 1e-9;
 
 /// Steps of the budget that one corner takes in one pass.
-const STEPS_PER_CORNER: u64 = 4;
+const STEPS_PER_CORNER: u64 = 8;
 
 /// Finds the corners that the taut path from start to goal turns about; returns the last
 /// straight leg.

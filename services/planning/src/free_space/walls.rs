@@ -13,7 +13,10 @@ pub use complement::Complement;
 /// Up to this many walls there is no index: checking them all is faster.
 const FEW: usize = 64;
 
-/// Solids passed over in the time that one wall takes.
+/// Walls compared in one step, where there is no index.
+const WALLS_PER_STEP: u64 = 2;
+
+/// Solids passed over in one step.
 const SOLIDS_PER_STEP: u64 = 8;
 
 /// A flat piece of wall, metres: in two dimensions the segment from `from` to `to`, in three
@@ -131,7 +134,7 @@ impl<const D: usize> Walls<D> {
                 reach
             });
         }
-        budget.step(self.walls.len() as u64)?;
+        budget.step(1 + self.walls.len() as u64 / WALLS_PER_STEP)?;
         for (index, wall) in self.walls.iter().enumerate() {
             let (low, high) = wall.bounds();
             if distance_squared_box_box((&low, &high), (min, max)) <= reach * reach {
@@ -181,7 +184,7 @@ impl<const D: usize> Walls<D> {
             let visit = |index| visit(index, &self.walls[index]);
             return self.tree.visit(min, max, f64::INFINITY, budget, visit);
         }
-        budget.step(self.walls.len() as u64)?;
+        budget.step(1 + self.walls.len() as u64 / WALLS_PER_STEP)?;
         // The nearest of the few first, then those still in reach.
         let (few, more) = self.walls.split_at(self.walls.len().min(FEW));
         let mut distances = [0.0; FEW];

@@ -13,8 +13,11 @@ use crate::budget::{Budget, Spent};
 /// Children of a node; leaves hold as many boxes.
 const FAN: usize = 8;
 
-/// Cost of indexing a box, in looks at a box.
-const STEPS_PER_BOX: u64 = 4;
+/// Steps that indexing one box takes.
+const STEPS_PER_BOX: u64 = 12;
+
+/// Boxes compared in one step.
+const LOOKS_PER_STEP: u64 = 4;
 
 /// Least and greatest corner, metres; may be flat.
 type Bounds<const D: usize> = (Vector<D>, Vector<D>);
@@ -138,7 +141,7 @@ impl<const D: usize> BoxTree<D> {
         let mut near = [(0.0, 0); FAN];
         let mut count = 0;
         let children = self.children(level, place);
-        walk.budget.step(children.len() as u64)?;
+        walk.budget.step(1 + children.len() as u64 / LOOKS_PER_STEP)?;
         for child in children {
             let distance = self.distance_squared(level - 1, child, min, max);
             if distance > walk.reach * walk.reach {
@@ -222,7 +225,7 @@ impl<const D: usize> BoxTree<D> {
     ) -> Result<(), Spent> {
         let Some(below) = level.checked_sub(1) else { return Ok(()) };
         let children = self.children(level, place);
-        budget.step((children.len() * children.len() / 2) as u64)?;
+        budget.step(1 + (children.len() * children.len() / 2) as u64 / LOOKS_PER_STEP)?;
         for one in children.clone() {
             self.pairs_within(below, one, budget, visit)?;
             for other in one + 1..children.end {
@@ -267,7 +270,7 @@ impl<const D: usize> BoxTree<D> {
             count += usize::from(meet(self.node(below, child), &common));
         }
         let children = self.children(level, one);
-        budget.step((children.len() * (1 + count)) as u64)?;
+        budget.step(1 + (children.len() * (1 + count)) as u64 / LOOKS_PER_STEP)?;
         for child in children.filter(|child| meet(self.node(below, *child), &common)) {
             for other in &among[..count] {
                 self.pairs_of(below, child, *other, budget, visit)?;

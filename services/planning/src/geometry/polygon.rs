@@ -9,6 +9,9 @@ use thiserror::Error;
 /// Up to this many edges all pairs are checked, without an index.
 const FEW: usize = 64;
 
+/// Steps that checking two edges takes whose bounding boxes meet.
+const STEPS_PER_PAIR: u64 = 4;
+
 /// A polygon whose boundary neither crosses nor touches itself, convex or not, with its
 /// vertices in either sense of rotation. Metres.
 ///
@@ -200,13 +203,16 @@ fn check_indexed(vertices: &[Vector<2>], budget: &Budget<'_>) -> Result<(), Poly
     for first in 0..count {
         let (min, max) = bounds(first);
         let mut wrong: Option<usize> = None;
+        let mut pairs = 0;
         tree.visit(&min, &max, 0.0, budget, |second| {
+            pairs += 1;
             let earlier = wrong.is_none_or(|least| second < least);
             if second > first && earlier && check_pair(vertices, first, second).is_err() {
                 wrong = Some(second);
             }
             0.0
         })?;
+        budget.step(STEPS_PER_PAIR * pairs)?;
         if let Some(second) = wrong {
             check_pair(vertices, first, second)?;
         }

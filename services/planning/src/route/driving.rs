@@ -16,6 +16,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 mod cone;
 
+/// Steps of the budget that a line takes against one wall.
+const STEPS_PER_WALL: u64 = 3;
+
 /// A robot whose path is taut about the guiding circles (equation 5.1) of its corners.
 ///
 /// The taut path through a chain turns about some corners and passes the others at a
@@ -193,11 +196,13 @@ impl RobotMover {
         budget: &Budget<'_>,
     ) -> Result<bool, Spent> {
         let (from, to) = (&line.from, &line.to);
-        let mut clear = true;
+        let (mut clear, mut near) = (true, 0);
         walls.near(&from.inf(to), &from.sup(to), self.half_width, budget, |_, wall| {
+            near += 1;
             let closest = || distance_segment_segment((from, to), (&wall.from, &wall.to));
             clear = clear && closest().distance > self.half_width;
         })?;
+        budget.step(STEPS_PER_WALL * near)?;
         Ok(clear)
     }
 

@@ -8,8 +8,8 @@ use crate::free_space::walls::Walls;
 use crate::free_space::{End, mouth_of};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 
-/// Channels whose direction is checked in the time of one step.
-const OTHERS_PER_STEP: u64 = 4;
+/// Channels whose direction is checked in one step.
+const OTHERS_PER_STEP: u64 = 16;
 
 /// A task for a search.
 pub struct Search<'a, const D: usize> {

@@ -2,7 +2,7 @@
 
 use super::label::{Directions, Ending, Entry, Label, NONE, number};
 use super::search::{Search, lies_towards};
-use super::{Mover, Router, SIGNS, UNKNOWN};
+use super::{Mover, Router, SIGNS, STEPS_PER_WAY, UNKNOWN};
 use crate::budget::Spent;
 use crate::free_space::{End, Junction, all_axes, longest, proper, towards};
 use crate::geometry::Direction;
@@ -118,6 +118,7 @@ impl<const D: usize, M: Mover<D>> Router<D, M> {
         if onwards >> number(junction.leaving) & 1 == 0 {
             return Ok(()); // A dead end.
         }
+        search.budget.step(STEPS_PER_WAY)?;
         let steps = mover.enter(search, &self.labels, before, junction)?.into_iter().flatten();
         // Overflowing numbers do not compare, and the search would not end.
         for step in steps.filter(|step| step.estimate.is_finite()) {

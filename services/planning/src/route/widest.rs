@@ -131,6 +131,9 @@ impl Eq for Reached {}
 /// are needed.
 const PART: f64 = 1.0 / 1048576.0;
 
+/// Steps that a pair of channels takes besides the one counted as [`Cap::RouteSteps`].
+const MORE_STEPS: u64 = 3;
+
 /// For every channel: the best way there, the channel before, and whether it is done.
 const BYTES_PER_CHANNEL: usize = size_of::<(Option<Key>, Option<usize>, bool)>();
 
@@ -340,7 +343,7 @@ impl<const D: usize> Space<'_, D> {
                         open.push(Reached { key, channel: next });
                     }
                 }
-                spent = budget.draw(Cap::RouteSteps, 1);
+                spent = budget.draw(Cap::RouteSteps, 1).and_then(|()| budget.step(MORE_STEPS));
                 if spent.is_err() { -1.0 } else { 0.0 }
             })?;
             spent?;

@@ -8,6 +8,9 @@ use crate::motion::{Curve, Leg, wrapped};
 /// of anything derived from more can underflow.
 const NOTHING: f64 = 1e-100;
 
+/// Steps of the budget that timing one leg takes.
+const STEPS_PER_LEG: u64 = 4;
+
 /// The body stops between two legs whose headings differ by more than this, radians.
 const SAME_HEADING: f64 = 1e-9;
 
@@ -95,7 +98,7 @@ impl Profile {
         stops: Stops,
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
-        budget.step(legs.len() as u64)?;
+        budget.step(STEPS_PER_LEG * legs.len() as u64)?;
         self.bound_forward(legs, limits, stops);
         self.bound_backward();
         self.time(legs.len());

@@ -36,8 +36,8 @@ pub(super) struct Moving {
 /// Distances are rounded by up to this part of the coordinates.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Cost of measuring a part of the way, in looks at a wall.
-const STEPS_PER_PART: u64 = 8;
+/// Steps that placing the body half-way and bounding the distances on both sides take.
+const STEPS_PER_PART: u64 = 24;
 
 /// The body at one moment, with what the bounds need.
 struct Placed {

@@ -174,7 +174,7 @@ fn turning_while_moving_ends_at_any_size() {
         walls.push(Wall { from: at(5.0, -2.0), to: at(5.5, -1.25) });
         let curve =
             Curve::Line { from: at(0.0, 0.0), to: at(10.0, 0.5), heading: 0.05, turned: 3.0 };
-        let budget = Budget::new(Allowance { steps: 100_000, ..Allowance::NONE });
+        let budget = Budget::new(Allowance { steps: 1_000_000, ..Allowance::NONE });
         let near = clearance_rectangle_curve(&footprint, &curve, &walls, &budget);
         let value = near.map(|near| near.map_or(f64::INFINITY, |near| near.value / size));
         assert!(

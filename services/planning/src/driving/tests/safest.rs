@@ -1,12 +1,16 @@
 //! The safest gap, and length against clearance below it.
 
-use crate::budget::Budget;
+use std::f64::consts::FRAC_PI_2;
+
+use crate::budget::{Allowance, Budget};
 use proptest::prelude::*;
 
 use super::scene::{Scene, approached_at, corridor_a, corridors, point, straight_ell};
+use crate::clearance::rectangle::Footprint;
 use crate::driving::limits::{balanced_gap, greatest_gap, least_width, outer_radius};
-use crate::driving::{CornerGaps, DrivingError, DrivingPath, drive, safest};
+use crate::driving::{CornerGaps, DrivingError, DrivingPath, Pose, StartTurn, drive, safest};
 use crate::free_space::walls::Wall;
+use crate::geometry::AxisBox;
 use crate::motion::Curve;
 
 fn turning(scene: &Scene, gap: f64) -> f64 {
@@ -58,6 +62,39 @@ fn pillar_beside_the_way_makes_the_gap_smaller() {
     assert!(found < 119.0 / 128.0);
     assert_eq!(path.turning().unwrap().value, turning(&scene, found));
     check_unbeaten(&scene, found, 1.9);
+}
+
+/// The same scene at another size has the same gap, to the precision of 1e-9 m; so, too, where
+/// numbers are farther apart than that.
+#[test]
+fn search_for_the_gap_ends_at_any_size() {
+    let found = |size: f64, start_turn| {
+        let scaled = |x: f64, y: f64| point(x * size, y * size);
+        let channels = [
+            AxisBox::new(scaled(0.0, 0.0), scaled(3.0, 11.0)).unwrap(),
+            AxisBox::new(scaled(0.0, 8.0), scaled(13.0, 11.0)).unwrap(),
+        ];
+        // 5 cm from a wall: turned in place, only wide gaps clear it, and none in closed form.
+        let start = Pose { position: scaled(0.55, 1.5), heading: FRAC_PI_2 };
+        let mut scene = Scene::new(&channels, start, [12.0 * size, 9.5 * size]);
+        scene.footprint = Footprint::new(size, 1.5 * size).unwrap();
+        scene.start_turn = start_turn;
+        let budget = Budget::new(Allowance { steps: 1_000_000, ..Allowance::NONE });
+        let gap = safest(&scene.drive(), &mut DrivingPath::default(), &budget)?;
+        Ok::<f64, DrivingError>(gap / size)
+    };
+    for start_turn in [StartTurn::InPlace, StartTurn::WhileMoving] {
+        let gap = found(1.0, start_turn).unwrap();
+        for size in [1e-6, 1e-3, 1e6, 1e9, 1e12, 1e30, 1e100, 1e149] {
+            let scaled = found(size, start_turn);
+            let off = scaled.map(|scaled| (scaled - gap).abs());
+            let precision = 1e-9 + 1e-9 / size;
+            assert!(off.is_ok_and(|off| off <= precision), "{size:e}: {off:?} from {gap}");
+        }
+        // So small that everything is in contact.
+        let refusal = found(1e-30, start_turn).unwrap_err();
+        assert!(matches!(refusal, DrivingError::BodyTouchesWall { .. }), "{refusal:?}");
+    }
 }
 
 #[test]

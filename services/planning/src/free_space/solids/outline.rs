@@ -27,10 +27,13 @@ struct Range {
 }
 
 /// An edge, a height and an upright for each step of an edge, and ranges.
-const BYTES_PER_STEP: usize = 96;
+const BYTES_PER_STAIR: usize = 96;
 
-/// Steps of the budget that sorting one step of an edge takes.
-const STEPS_PER_STEP: u64 = 8;
+/// Steps of the budget that sorting one stair of an edge takes.
+const STEPS_PER_STAIR: u64 = 24;
+
+/// Steps that changing one range takes.
+const STEPS_PER_RANGE: u64 = 8;
 
 /// Appends boxes whose union is the polygon with slanted edges replaced by steps outside it.
 pub(super) fn cut(
@@ -45,8 +48,8 @@ pub(super) fn cut(
     }
     // Saturates if there are more steps than can be counted.
     budget.check(Cap::Pieces, boxes.len().saturating_add((steps / 2.0) as usize))?;
-    let _held = Held::new(budget, (steps as usize).saturating_mul(BYTES_PER_STEP))?;
-    budget.step((steps as u64).saturating_mul(STEPS_PER_STEP))?;
+    let _held = Held::new(budget, (steps as usize).saturating_mul(BYTES_PER_STAIR))?;
+    budget.step((steps as u64).saturating_mul(STEPS_PER_STAIR))?;
     let outline = stairs(vertices, tolerance);
 
     let mut heights: Vec<f64> = outline.iter().map(|point| point[1]).collect();
@@ -81,7 +84,7 @@ pub(super) fn cut(
         }
         within.clear();
         within.extend(ranges.range(upright.low..=upright.high).map(|(low, range)| (*low, *range)));
-        budget.step(within.len() as u64)?;
+        budget.step(STEPS_PER_RANGE * within.len() as u64)?;
         budget.check(Cap::Pieces, boxes.len())?;
         for pair in within.windows(2) {
             let [(low, range), (high, _)] = *pair else { continue };

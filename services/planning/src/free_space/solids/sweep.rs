@@ -19,8 +19,11 @@ use crate::geometry::{AxisBox, Sign, Vector};
 /// Up to this many solids are checked without the index.
 const FEW: usize = 16;
 
-/// Looks at a box that sorting one takes.
-const SORTING: u64 = 4;
+/// Steps that sorting one solid or channel takes.
+const SORTING: u64 = 10;
+
+/// Steps that a look at a box takes besides the one counted as [`Cap::ChannelSteps`].
+const MORE_STEPS: u64 = 4;
 
 /// Reusable memory.
 #[derive(Debug, Clone, Default)]
@@ -175,7 +178,9 @@ impl<const D: usize> Sweep<D> {
 
     /// Draws what was done since the last time.
     fn draw(&mut self, budget: &Budget<'_>, held: &mut Held<'_>) -> Result<(), Spent> {
-        budget.draw(Cap::ChannelSteps, std::mem::take(&mut self.steps) as u64)?;
+        let steps = std::mem::take(&mut self.steps) as u64;
+        budget.draw(Cap::ChannelSteps, steps)?;
+        budget.step(MORE_STEPS * steps)?;
         held.resize(size_of_val(&*self.found) + self.candidates.held())
     }
 

@@ -18,6 +18,12 @@ struct Piece<const D: usize> {
     max: Vector<D>,
 }
 
+/// Channels or pieces compared in one step.
+const LOOKS_PER_STEP: u64 = 4;
+
+/// Steps that sorting one piece takes.
+const SORTING: u64 = 8;
+
 /// Reusable memory for [`Walls::set_complement`].
 #[derive(Debug, Clone, Default)]
 pub struct Complement<const D: usize> {
@@ -100,7 +106,7 @@ impl<const D: usize> Walls<D> {
                     }
                     let mut side = Piece { axis, sign, min: low, max: high };
                     if mouth.is_none_or(|mouth| clip(&mut side, &mouth)) {
-                        budget.step(neighbours.len() as u64)?;
+                        budget.step(1 + neighbours.len() as u64 / LOOKS_PER_STEP)?;
                         let around = (&neighbours[..], channels);
                         add_uncovered(side, index, around, pieces, (budget, &mut held))?;
                     }
@@ -108,7 +114,7 @@ impl<const D: usize> Walls<D> {
             }
         }
         tree.clear();
-        budget.step(pieces.len() as u64)?;
+        budget.step(SORTING * pieces.len() as u64)?;
         pieces.sort_unstable_by(compare);
         let mut last: Option<Piece<D>> = None;
         for piece in &*pieces {
@@ -177,7 +183,7 @@ fn add_uncovered<const D: usize>(
         // Of two sides in one place that of the earlier channel counts.
         if goes_on || (same_side && index < owner) {
             let count = pieces.len();
-            budget.step((count - begin) as u64)?;
+            budget.step(1 + (count - begin) as u64 / LOOKS_PER_STEP)?;
             let mut kept = begin;
             for piece in begin..count {
                 let piece = pieces[piece];
