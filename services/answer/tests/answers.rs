@@ -101,7 +101,13 @@ fn negated_zeros(scene: &SceneRequest) -> SceneRequest {
 
 #[test]
 fn a_used_workspace_answers_as_a_new_one() {
-    let scenes = scenes();
+    let mut scenes = scenes();
+    // The search for the safest motion among walls takes longest, and keeps nothing of its own.
+    let takes_long = |scene: &SceneRequest| {
+        let many = scene.free_space.solids.as_ref().is_some_and(|solids| solids.len() > 8);
+        scene.task == Task::Drive && (many || scene.clearance == ClearanceWish::Safest)
+    };
+    scenes.retain(|scene| !takes_long(scene));
     let fresh: Vec<_> =
         scenes.iter().map(|scene| answer(&mut Workspace::default(), scene)).collect();
     // All kept; nothing; the largest not; few at a time.

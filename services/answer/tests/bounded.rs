@@ -90,7 +90,7 @@ fn answers_are_bounded_together() {
     assert!(whole.iter().all(Result::is_ok));
     let all = answers(&scene, &one);
     let found = all.iter().take_while(|answer| answer.is_ok()).count();
-    assert!((1..=2).contains(&found), "{found} answers");
+    assert!((1..5).contains(&found), "{found} answers");
     assert_eq!(all[..found], whole[..found]);
     let said = format!(
         "planning takes more than {} steps (`caps.steps`); ask for fewer answers, or describe the \

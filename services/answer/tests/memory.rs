@@ -91,7 +91,8 @@ fn huge() -> Vec<SceneRequest> {
         bounds: Some(AxisBox { min: [0.0, 0.0].into(), max: [220.0, 220.0].into() }),
         ..FreeSpace::default()
     };
-    crowded.goal = Some(Goal { position: [218.0, 218.0].into(), heading: None });
+    crowded.goal = Some(Goal { position: [30.0, 30.0].into(), heading: None });
+    crowded.clearance = ClearanceWish::Gap(Gap::Uniform(0.1));
 
     let mut pillars = small();
     let solids = pillars.free_space.solids.as_mut().unwrap();
