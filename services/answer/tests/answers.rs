@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use answer::{CacheStats, Caps, StopFlag, Workspace};
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
-use schemas::message::{Direction, RequestKey, SceneRequest, Task, Vector};
+use schemas::message::{ClearanceWish, Direction, RequestKey, SceneRequest, Task, Vector};
 use schemas::wire::ReplyHeader;
 
 /// All parts, as they would lie in shared memory.
