@@ -3,13 +3,14 @@
 use std::mem;
 use std::sync::Arc;
 
+use planning::any_angle::{self, Planner, RobotMotion};
 use planning::driving::limits;
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::Vector;
 use planning::route::{self, Judgement, Mover, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
-use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, ErrorCode, Refusal, SceneRequest};
+use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
+use schemas::message::{self, Choice, ClearanceWish, ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -54,6 +55,8 @@ struct DrivingJob<'a> {
     walls: Arc<Walls<2>>,
     /// For which gap the course was found; `None`: for none yet.
     found_for: Option<AnyGap>,
+    /// Of the answer at hand, where the request asks for a full report.
+    certificate: Option<Certificate>,
     memory: &'a mut Memory,
     resources: Resources<'a>,
 }
@@ -72,7 +75,7 @@ impl Driving {
         parts: &mut Parts<'_, S>,
     ) -> Result<(), Stop<S::Error>> {
         let Self { buffers, memory, anywhere } = self;
-        let any_order = is_any_order(&scene.free_space);
+        let any_order = is_any_order(scene);
         let errand = Errand::of(scene, any_order)?;
         let pace = Pace::of(scene, wishes, Stops::AtTurns)?;
         if any_order {
@@ -97,8 +100,18 @@ impl Driving {
             memory.course.lead(channels, route, &errand, resources.budget)?;
         }
         let (found_for, budget) = (None, resources.budget);
-        let mut job =
-            DrivingJob { errand, pace, source, space, walls, found_for, memory, resources };
+        let certificate = None;
+        let mut job = DrivingJob {
+            errand,
+            pace,
+            source,
+            space,
+            walls,
+            found_for,
+            certificate,
+            memory,
+            resources,
+        };
         answer_each(&mut job, wishes, (budget, stop), parts)
     }
 
@@ -116,13 +129,28 @@ impl Driving {
     }
 }
 
-/// Whether the robot may travel its free space in any order, right up to the walls.
-fn is_any_order(free_space: &message::FreeSpace) -> bool {
-    let has_solids = free_space.solids.as_ref().is_some_and(|solids| !solids.is_empty());
-    match &free_space.channels {
-        None => true,
-        Some(channels) => !free_space.in_order && channels.len() != 1 && !has_solids,
-    }
+/// Whether the robot may travel its free space in any order, right up to the walls: unless
+/// channels are to be travelled in order by the rules, or clearance is measured to solids in them.
+fn is_any_order(scene: &SceneRequest) -> bool {
+    let message::FreeSpace { channels, in_order, solids, .. } = &scene.free_space;
+    let Some(channels) = channels else { return true };
+    let has_solids = solids.as_ref().is_some_and(|solids| !solids.is_empty());
+    let by_the_rules = *in_order || channels.len() == 1;
+    !has_solids && (!by_the_rules || asks_for_more(scene))
+}
+
+/// Whether a request asks for what the rules can't do.
+fn asks_for_more(scene: &SceneRequest) -> bool {
+    let SceneRequest { reverse, turn_in_place, min_turn_radius, clearance, .. } = scene;
+    let is_least = |choice: &Choice| matches!(choice, Choice::AtLeast(_));
+    *reverse == Some(true)
+        || *turn_in_place == Some(false)
+        || min_turn_radius.is_some()
+        || match clearance {
+            ClearanceWish::AtLeast(_) => true,
+            ClearanceWish::Each(choices) => choices.iter().any(is_least),
+            _ => false,
+        }
 }
 
 impl Job for DrivingJob<'_> {
@@ -147,6 +175,10 @@ impl Job for DrivingJob<'_> {
             self.find(wish, kept, gap)?;
             self.found_for = Some(gap);
         }
+        self.certificate = None;
+        if self.errand.full_report {
+            self.certificate = Some(self.certify()?);
+        }
         let Memory { course, profile, .. } = &mut *self.memory;
         let cells = course.gaps.len() + course.route.len() + 4 * self.space.made().len();
         self.pace.plan(course.path.legs(), profile, cells, &self.resources)
@@ -168,12 +200,32 @@ impl Job for DrivingJob<'_> {
             header.length = path.length();
             header.duration = profile.duration();
             parts::clearance(header, path.clearance().as_ref());
+            if let Some(certificate) = self.certificate {
+                header.set_certificate(certificate);
+            }
         };
         parts.trajectory(fill, lists, last)
     }
 }
 
 impl DrivingJob<'_> {
+    /// The free clearance and the bound of the answer at hand.
+    fn certify(&self) -> Result<Certificate, Refused> {
+        let Self { errand, walls, memory, resources, .. } = self;
+        let budget = resources.budget;
+        let path = &memory.course.path;
+        let floor = anywhere::floor_among(walls, budget)?;
+        let mut motion = RobotMotion {
+            legs: path.legs().to_vec(),
+            length: path.length(),
+            clearance: path.clearance(),
+            ..RobotMotion::default()
+        };
+        let task = errand.among(walls, &floor);
+        any_angle::certify(&task, &mut Planner::default(), &mut motion, budget)?;
+        Ok(anywhere::certificate(&motion))
+    }
+
     /// Finds the channels to travel for a robot that is to keep this gap; `None`: any.
     fn find(&mut self, wish: &Wish<'_>, kept: KeptGap<'_>, gap: AnyGap) -> Result<(), Refused> {
         if let Some(gap) = gap.filter(|gap| gap.is_nan() || *gap == f64::NEG_INFINITY) {

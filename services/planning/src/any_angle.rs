@@ -34,6 +34,7 @@ mod sight;
 mod taut;
 mod travelled;
 
+pub use bound::certify;
 pub use drive::drive;
 pub use planner::Planner;
 pub use travelled::channels_travelled;

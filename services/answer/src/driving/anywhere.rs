@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use planning::any_angle::{self, Planner, RobotMotion, channels_travelled};
+use planning::budget::Budget;
 use planning::free_space::floor::{Floor, FloorError};
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;
@@ -74,12 +75,7 @@ impl<'a> AnywhereJob<'a> {
         let kind = if channels.is_some() { Kind::ChannelsFloor } else { Kind::SolidsFloor };
         cache.describe_again(kind, 2);
         errand.check_inside(scene, channels, &walls, budget)?;
-        let floor: Arc<Floor> = cache.get(budget, || {
-            Floor::new(&walls, budget).map_err(|error| match error {
-                FloorError::Spent(spent) => Refused::from(spent),
-                error => Refusal::invalid("free_space", format!("free_space: {error}")).into(),
-            })
-        })?;
+        let floor: Arc<Floor> = cache.get(budget, || floor_among(&walls, budget))?;
         if memory.floor.as_ref().is_none_or(|known| !Arc::ptr_eq(known, &floor)) {
             memory.planner.forget();
             memory.floor = Some(floor.clone());
@@ -134,6 +130,23 @@ impl<'a> AnywhereJob<'a> {
     }
 }
 
+/// The floor among walls.
+pub(super) fn floor_among(walls: &Walls<2>, budget: &Budget<'_>) -> Result<Floor, Refused> {
+    Floor::new(walls, budget).map_err(|error| match error {
+        FloorError::Spent(spent) => spent.into(),
+        error => Refusal::invalid("free_space", format!("free_space: {error}")).into(),
+    })
+}
+
+/// What a reply says of how good a motion is.
+pub(super) fn certificate(motion: &RobotMotion) -> Certificate {
+    Certificate {
+        bound: Some(motion.bound),
+        free_clearance: Some(motion.free_clearance),
+        complete: motion.is_complete,
+    }
+}
+
 impl Job for AnywhereJob<'_> {
     fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         let wished = self.wished(wish)?;
@@ -165,11 +178,7 @@ impl Job for AnywhereJob<'_> {
             header.length = found.length;
             header.duration = profile.duration();
             parts::clearance(header, found.clearance.as_ref());
-            header.set_certificate(Certificate {
-                bound: Some(found.bound),
-                free_clearance: Some(found.free_clearance),
-                complete: found.is_complete,
-            });
+            header.set_certificate(certificate(found));
         };
         parts.trajectory(fill, lists, last)
     }

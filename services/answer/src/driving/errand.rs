@@ -23,7 +23,6 @@ pub(super) struct Errand {
     pub(super) abilities: Abilities,
     pub(super) costs: Costs,
     /// Whether the reply has bounds and free clearances for channels in travel order, too.
-    #[expect(dead_code, reason = "channels in travel order have neither yet")]
     pub(super) full_report: bool,
 }
 

@@ -2,19 +2,21 @@
 
 use super::disc::Disc;
 use super::planner::Planner;
-use super::{Errand, NoMotion, PRECISION, RobotMotion};
+use super::{Errand, PRECISION, RobotMotion};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::free_clearance;
 use crate::driving::Pose;
 use crate::motion::Curve;
 
-/// Measures the free clearance and finds the bound.
-pub(super) fn certify(
+/// Measures the free clearance of a motion whose legs, length and clearance are known, and finds
+/// its bound. If the budget ends before that, the bound is the straight line, and the motion is
+/// marked as incomplete.
+pub fn certify(
     errand: &Errand<'_>,
     planner: &mut Planner,
     found: &mut RobotMotion,
     budget: &Budget<'_>,
-) -> Result<(), NoMotion> {
+) -> Result<(), Spent> {
     measure_free_clearance(errand, found, budget)?;
     let length = found.length;
     let apart = (errand.goal.position - errand.start.position).norm();
@@ -44,7 +46,7 @@ pub(super) fn certify(
         Ok(None) => {}
         // A motion is an answer; the straight line is a bound.
         Err(Spent::Limit { .. }) => found.is_complete = false,
-        Err(spent) => return Err(spent.into()),
+        Err(spent) => return Err(spent),
     }
     Ok(())
 }

@@ -34,7 +34,7 @@ pub fn drive(
         }
         Wish::Safest => safest::safest(errand, planner, found, budget)?,
     }
-    bound::certify(errand, planner, found, budget)
+    Ok(bound::certify(errand, planner, found, budget)?)
 }
 
 /// Refuses a start or a goal where the robot touches a wall.
