@@ -1,13 +1,13 @@
-//! A route between pillars: corners that the taut path turns about, and corners that it passes.
+//! A route between pillars: the faces of the floor, and the corners that the taut path turns about.
 
 use planning::budget::Budget;
-use planning::driving;
-use planning::free_space::{Chain, End};
+use planning::free_space::floor::Floor;
+use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, Vector};
+use schemas::message::Curve;
 
 use super::drawing::{Anchor, Drawing, Point, View};
-use super::motion::{answer, boxes, common, corners, path};
-use super::tangents::turned_about;
+use super::motion::{answer, boxes, path};
 
 const START: Point = [1.0, 1.0];
 const GOAL: Point = [15.0, 8.8];
@@ -18,8 +18,8 @@ pub(crate) fn figure() -> String {
     let mut drawing = Drawing::new(
         [792.0, 516.0],
         "A robot's route in the open",
-        "A robot's path between nine pillars, drawn taut. It turns about some corners on their \
-         guiding circles and passes the other corners of its junctions in straight lines.",
+        "A robot's path between nine pillars, drawn taut over the triangles of the floor. It turns \
+         about some corners on their guiding circles and passes all others in straight lines.",
     );
     let pillars: Vec<[Point; 2]> = (0..9)
         .map(|index| {
@@ -50,19 +50,18 @@ pub(crate) fn figure() -> String {
     for pillar in &pillars {
         drawing.shape("wall", &view.rectangle(*pillar));
     }
-    let along: Vec<[Point; 2]> =
-        answer.route.iter().map(|index| corners(&answer.channels[*index as usize])).collect();
-    for pair in along.windows(2) {
-        drawing.shape("junction", &view.rectangle(common(pair[0], pair[1])));
+    for triangle in triangles(&pillars) {
+        let [a, b, c] = triangle.map(|corner| view.at(corner));
+        let outline = format!("M{} {}L{} {}L{} {}Z", a[0], a[1], b[0], b[1], c[0], c[1]);
+        drawing.shape("junction", &outline);
     }
     drawing.shape("path", &path(&view, &answer.legs));
-    let turned = turned_about(&answer);
-    for (index, corner) in corners_along(&along).into_iter().enumerate() {
-        let touched = turned.contains(&index);
-        if touched {
+    for leg in &answer.legs {
+        if let Curve::Arc { center, .. } = &leg.curve {
+            let corner = [center.padded()[0], center.padded()[1]];
             drawing.circle("guide", view.at(corner), RADIUS * view.scale);
+            drawing.circle("dot", view.at(corner), 4.5);
         }
-        drawing.circle(if touched { "dot" } else { "passed" }, view.at(corner), 4.5);
     }
     for (at, name, aside) in [(START, "start", 20.0), (GOAL, "goal", -12.0)] {
         let [x, y] = view.at(at);
@@ -72,22 +71,25 @@ pub(crate) fn figure() -> String {
     let y = 500.0;
     drawing.circle("dot", [34.0, y - 4.0], 4.5);
     drawing.label("note", Anchor::Start, [46.0, y], "corner turned about, on its guiding circle");
-    drawing.circle("passed", [334.0, y - 4.0], 4.5);
-    drawing.label("note", Anchor::Start, [346.0, y], "corner passed at a distance");
-    drawing.shape("junction", "M548 490h16v12h-16Z");
-    drawing.label("note", Anchor::Start, [572.0, y], "junctions of the route");
+    drawing.shape("junction", "M348 490h16v12h-16Z");
+    drawing.label("note", Anchor::Start, [372.0, y], "faces of the floor; the edges are junctions");
     drawing.finish()
 }
 
-/// The corners of the junctions along a route.
-fn corners_along(channels: &[[Point; 2]]) -> Vec<Point> {
-    let channels: Vec<_> = channels
-        .iter()
-        .map(|[min, max]| AxisBox::new((*min).into(), (*max).into()).expect("a channel"))
-        .collect();
-    let (mut chain, mut corners) = (Chain::default(), Vec::new());
-    let (start, goal) = (Vector::from(START), Vector::from(GOAL));
-    chain.build(&channels, &start, End::Goal(goal), &Budget::default()).expect("a chain");
-    driving::corners_of(&chain, &mut corners);
-    corners.iter().map(|corner| [corner.point.x, corner.point.y]).collect()
+/// The free faces of the floor between the pillars.
+fn triangles(pillars: &[[Point; 2]]) -> Vec<[Point; 3]> {
+    let mut walls = Walls::default();
+    let sides = |[min, max]: [Point; 2]| AxisBox::new(min.into(), max.into()).expect("a box");
+    walls.push_inside(&sides([[0.0, 0.0], SIDE]));
+    pillars.iter().for_each(|pillar| walls.push_box(&sides(*pillar)));
+    let floor = Floor::new(&walls, &Budget::default()).expect("a floor");
+    let is_free = |triangle: &[Point; 3]| {
+        let middle =
+            [0, 1].map(|axis| triangle.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
+        !pillars.iter().any(|[min, max]| {
+            (0..2).all(|axis| min[axis] < middle[axis] && middle[axis] < max[axis])
+        })
+    };
+    let points = |triangle: [Vector<2>; 3]| triangle.map(|corner| [corner.x, corner.y]);
+    floor.triangles().map(points).filter(is_free).collect()
 }
