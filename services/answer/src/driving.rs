@@ -10,7 +10,7 @@ use planning::geometry::Vector;
 use planning::route::{self, Judgement, Mover, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
-use schemas::message::{self, Choice, ClearanceWish, ErrorCode, Refusal, SceneRequest};
+use schemas::message::{self, ClearanceWish, ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -142,15 +142,10 @@ fn is_any_order(scene: &SceneRequest) -> bool {
 /// Whether a request asks for what the rules can't do.
 fn asks_for_more(scene: &SceneRequest) -> bool {
     let SceneRequest { reverse, turn_in_place, min_turn_radius, clearance, .. } = scene;
-    let is_least = |choice: &Choice| matches!(choice, Choice::AtLeast(_));
     *reverse == Some(true)
         || *turn_in_place == Some(false)
         || min_turn_radius.is_some()
-        || match clearance {
-            ClearanceWish::AtLeast(_) => true,
-            ClearanceWish::Each(choices) => choices.iter().any(is_least),
-            _ => false,
-        }
+        || matches!(clearance, ClearanceWish::AtLeast(_))
 }
 
 impl Job for DrivingJob<'_> {
@@ -219,6 +214,7 @@ impl DrivingJob<'_> {
             legs: path.legs().to_vec(),
             length: path.length(),
             clearance: path.clearance(),
+            is_complete: true,
             ..RobotMotion::default()
         };
         let task = errand.among(walls, &floor);

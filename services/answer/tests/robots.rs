@@ -110,16 +110,31 @@ fn a_robot_that_cannot_turn_in_place_has_a_radius() {
 }
 
 #[test]
-fn what_has_no_effect_in_travel_order_is_refused() {
-    let only = "is only for free space in any order";
-    check_refused(&with(IN_ORDER, r#""reverse": true"#), "reverse", only);
-    check_refused(&with(IN_ORDER, r#""min_turn_radius": 0.5"#), "min_turn_radius", only);
-    let no_turns = r#""turn_in_place": false, "min_turn_radius": 0.5"#;
-    check_refused(&with(IN_ORDER, no_turns), "turn_in_place", only);
+fn what_the_rules_can_not_do_is_driven_in_the_channels_at_large() {
     let least = replaced(IN_ORDER, r#"{ "gap": 0.2 }"#, r#"{ "at_least": 0.2 }"#);
-    check_refused(&least, "clearance.at_least", only);
+    let scenes = [
+        with(IN_ORDER, r#""reverse": true"#),
+        with(IN_ORDER, r#""min_turn_radius": 0.5"#),
+        with(IN_ORDER, r#""turn_in_place": false, "min_turn_radius": 0.5"#),
+        least,
+    ];
+    for scene in scenes {
+        let found = trajectory(&scene);
+        let bound = found.bound.expect("a bound");
+        assert!(bound <= found.length, "{found:?}");
+        assert!(found.legs.iter().all(|leg| leg.rung.is_some()), "{found:?}");
+    }
     let plain = r#""reverse": false, "turn_in_place": true, "turn_cost": 1, "stop_cost": 0"#;
     assert_eq!(reply(&with(IN_ORDER, plain)), reply(IN_ORDER));
+}
+
+#[test]
+fn full_reports_add_a_certificate_and_change_nothing_else() {
+    let mut full = trajectory(&with(IN_ORDER, r#""report": "full""#));
+    let bound = full.bound.take().expect("a bound");
+    assert!(0.0 < bound && bound <= full.length, "{bound}");
+    assert!(full.free_clearance.take().expect("a clearance") >= full.clearance.value);
+    assert_eq!(full, trajectory(IN_ORDER));
 }
 
 #[test]
@@ -165,33 +180,6 @@ fn trajectories_in_travel_order_keep_their_fields() {
     let Trajectory { bound, free_clearance, complete, legs, .. } = trajectory(IN_ORDER);
     assert_eq!((bound, free_clearance, complete), (None, None, true));
     assert!(legs.iter().all(|leg| leg.rung.is_none() && !leg.reverse), "{legs:?}");
-}
-
-#[test]
-fn a_name_stands_alone_and_must_be_known() {
-    let digits = "0f".repeat(32);
-    let named = |other: &str| {
-        let (_, rest) = ANYWHERE.split_once(r#""body""#).unwrap();
-        let space = format!(r#""free_space": {{ "named": "{digits}"{other} }}"#);
-        format!(r#"{{ "task": "drive", {space}, "body"{rest}"#)
-    };
-    let unknown = refusal(&named(""));
-    assert_eq!(unknown.code, ErrorCode::UnknownFreeSpace);
-    assert_eq!(unknown.field.as_deref(), Some("free_space.named"));
-    assert!(unknown.message.contains(&digits), "{}", unknown.message);
-    assert!(unknown.message.ends_with("send the free space itself"), "{}", unknown.message);
-    for (other, value) in [
-        ("channels", "[]"),
-        ("in_order", "true"),
-        ("solids", "[]"),
-        ("bounds", r#"{ "min": [0, 0], "max": [9, 10] }"#),
-    ] {
-        let scene = named(&format!(r#", "{other}": {value}"#));
-        let words = format!("does not go with free_space.{other}");
-        check_refused(&scene, "free_space.named", &words);
-    }
-    let assembly = named("").replacen("drive", "assemble", 1);
-    assert_eq!(refusal(&assembly).code, ErrorCode::InvalidScene);
 }
 
 /// Of two corners of a turning robot, the one farther from its reference point decides.
