@@ -210,36 +210,29 @@ impl DistanceLaw {
             }
             (Self::Root { foot, square, add, .. }, Self::Linear { at, slope })
             | (Self::Linear { at, slope }, Self::Root { foot, square, add, .. }) => {
-                // (place - foot)^2 + square = (at - add + slope place)^2
-                let rest = at - add;
-                quadratic(
-                    (1.0 - slope) * (1.0 + slope),
-                    -(foot + rest * slope),
-                    foot * foot + square - rest * rest,
-                    root,
-                );
+                // With t from the foot, t^2 + square = (rest + slope t)^2.
+                let rest = at - add + slope * foot;
+                let lead = (1.0 - slope) * (1.0 + slope);
+                let discriminant = rest * rest - lead * square;
+                let last = square - rest * rest;
+                quadratic(lead, -rest * slope, last, discriminant, |t| root(foot + t));
             }
             (
                 Self::Root { foot, square, add, .. },
-                Self::Root { foot: a, square: b, add: c, .. },
+                Self::Root { foot: other_foot, square: other_square, add: other_add, .. },
             ) => {
-                // The difference of the squares, constant + linear place, less the square of
-                // apart is twice apart times the second root.
-                let apart = c - add;
-                let linear = 2.0 * (a - foot);
-                let constant = (foot - a) * (foot + a) + square - b;
-                if apart == 0.0 {
-                    root(-constant / linear);
-                    return;
-                }
-                let constant = constant - apart * apart;
+                // With t from the other foot, the difference of the squares less the square
+                // of apart, rest + linear t, is twice apart times the other root. Its sign
+                // is lost, and with it whether the roots are added or subtracted.
+                let apart = other_add - add;
+                let linear = 2.0 * (other_foot - foot);
+                let between = other_foot - foot;
+                let rest = between * between + square - other_square - apart * apart;
                 let twice = 4.0 * apart * apart;
-                quadratic(
-                    linear * linear - twice,
-                    linear * constant + twice * a,
-                    constant * constant - twice * (a * a + b),
-                    root,
-                );
+                let lead = linear * linear - twice;
+                let discriminant = twice * (rest * rest + lead * other_square);
+                let last = rest * rest - twice * other_square;
+                quadratic(lead, linear * rest, last, discriminant, |t| root(other_foot + t));
             }
         }
     }
@@ -258,11 +251,10 @@ impl DistanceLaw {
     }
 }
 
-/// Calls `root` with the roots of a x^2 + 2 b x + c.
-fn quadratic(a: f64, b: f64, c: f64, mut root: impl FnMut(f64)) {
-    let discriminant = b * b - a * c;
+/// Calls `root` with the roots of a x^2 + 2 b x + c, whose discriminant b^2 - a c is given:
+/// where it is small, the difference would have no digits left.
+fn quadratic(a: f64, b: f64, c: f64, discriminant: f64, mut root: impl FnMut(f64)) {
     if discriminant >= 0.0 {
-        // Without cancellation.
         let sum = -(b + discriminant.sqrt().copysign(b));
         root(sum / a);
         root(c / sum);

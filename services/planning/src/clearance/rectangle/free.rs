@@ -168,9 +168,10 @@ impl Binding {
 
     /// Bisects a line on which the body turns until no part can hold much less.
     ///
-    /// No point of the body strays farther from its chord over a part than `bend`. A wall
-    /// point is thus as far from the body, but for the bend, as from the nearest of the sides
-    /// at both ends and of the chords of the corners, unless it is touched.
+    /// No point of the body strays farther from its chord over a part than `bend`. What a side
+    /// sweeps is thus, but for the bend, within the hull of its places at both ends, and a
+    /// wall point outside is as near to it as to the nearest of the segments between its four
+    /// ends. None is inside: the body stays `apart` from the walls by more than the bend.
     fn look_while_turning(
         &mut self,
         moving: &Moving,
@@ -186,14 +187,18 @@ impl Binding {
         if bend < self.apart {
             let bodies = [moving.body_at(low), moving.body_at(high)];
             let [before, after] = bodies.map(|body| body.corners());
-            let mut shapes = [NearShape::Rectangle(bodies[0], bend); 12];
-            for (side, (from, to)) in [(0, 1), (1, 3), (3, 2), (2, 0)].into_iter().enumerate() {
-                let sides = [(before[from], before[to]), (after[from], after[to])];
-                for (shape, (a, b)) in
-                    sides.into_iter().chain([(before[from], after[from])]).enumerate()
-                {
-                    shapes[3 * side + shape] =
-                        NearShape::Rectangle(PlacedRectangle::between(&a, &b), bend);
+            let mut shapes = [NearShape::Rectangle(bodies[0], bend); 20];
+            let mut next = 0;
+            for (from, to) in [(0, 1), (1, 3), (3, 2), (2, 0)] {
+                for (a, b) in [
+                    (before[from], before[to]),
+                    (after[from], after[to]),
+                    (before[from], after[from]),
+                    (before[from], after[to]),
+                    (before[to], after[from]),
+                ] {
+                    shapes[next] = NearShape::Rectangle(PlacedRectangle::between(&a, &b), bend);
+                    next += 1;
                 }
             }
             let limit = self.value - FREE_TURNING_WHILE_MOVING_BOUND;

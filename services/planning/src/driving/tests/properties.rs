@@ -66,11 +66,13 @@ proptest! {
         let (first, last) = (&scene.corners[0], scene.corners.last().unwrap());
         let arriving = first.rule.arriving_angle(&scene.start.position, &first.point, rho);
         let leaving = last.rule.leaving_angle(&last.point, &scene.goal.position, rho);
-        // The rear as it arrives, the front as it leaves.
-        let sides = [(arriving, scene.footprint.rear()), (leaving, scene.footprint.front())];
-        let least = sides.map(|(angle, along)| {
+        let (front, rear) = (scene.footprint.front(), scene.footprint.rear());
+        let across = scene.footprint.width() + gap;
+        // As it arrives the rear is towards the inner wall, the front towards the outer one.
+        let sides = [(arriving, first.width_in, rear, front), (leaving, last.width_out, front, rear)];
+        let least = sides.map(|(angle, width, inner, outer)| {
             let (sin, cos) = libm::sincos(angle.min(0.0));
-            gap * cos + along * sin
+            (gap * cos + inner * sin).min(width - across * cos + outer * sin)
         });
         let least = least[0].min(least[1]);
         let turning = path.turning().unwrap().value;
@@ -141,9 +143,12 @@ proptest! {
             })
             .collect();
         prop_assume!(arcs.len() == scene.corners.len());
-        // The outer rear corner in the corridor that it leaves, the front one in the next.
+        // In the corridor that it leaves the outer rear corner lags behind, in the next one,
+        // seen backwards, the front one; the other of the two leads.
         let across = scene.footprint.width() + gap;
-        let reaches = [scene.footprint.rear(), scene.footprint.front()];
+        let (front, rear) = (scene.footprint.front(), scene.footprint.rear());
+        let lags = [(rear, front), (front, rear)];
+        let circle = |along: f64| (libm::hypot(across, along), libm::atan2(along, across));
         let crossing = scene.channels.iter().enumerate().any(|(index, channel)| {
             let mut later = scene.channels.iter().skip(index + 2);
             later.any(|other| channel.intersection(other).is_some())
@@ -157,12 +162,16 @@ proptest! {
             let (approach, leave) = (corner.rule.approach, corner.rule.leave);
             let angles = [angle(0.0, approach, leave), angle(sweep, leave, approach)];
             let widths = [corner.width_in, corner.width_out];
-            for ((width, theta), along) in widths.into_iter().zip(angles).zip(reaches) {
-                let (outer, lead) = (libm::hypot(across, along), libm::atan2(along, across));
-                wanted = wanted.min(width - outer * libm::cos((theta - lead).max(0.0)));
+            for (side, width) in widths.into_iter().enumerate() {
+                let (theta, other) = (angles[side], angles[1 - side]);
+                let (lagging, leading) = lags[side];
+                let (outer, lag) = circle(lagging);
+                wanted = wanted.min(width - outer * libm::cos((theta - lag).max(0.0)));
+                let (outer, lead) = circle(leading);
+                wanted = wanted.min(width - outer * libm::cos((theta + lead).max(0.0)));
                 let (sin, cos) = libm::sincos(theta.min(0.0));
-                wanted = wanted.min(gap * cos + along * sin);
-                more |= theta > FRAC_PI_2 - lead;
+                wanted = wanted.min(gap * cos + lagging * sin);
+                more |= other > FRAC_PI_2 - lag;
             }
         }
         let turning = path.turning().unwrap().value;

@@ -56,7 +56,7 @@ impl Scene {
     /// The safest gap of the narrowest corridor in closed form, metres.
     pub(super) fn balanced(&self) -> f64 {
         let rooms = self.corners.iter().flat_map(|corner| TurnRoom::at(&self.footprint, corner));
-        rooms.map(|room| room.balanced_gap()).fold(f64::INFINITY, f64::min)
+        rooms.min_by(TurnRoom::compare).map_or(f64::INFINITY, |room| room.balanced_gap())
     }
 
     pub(super) fn drive(&self) -> Drive<'_> {

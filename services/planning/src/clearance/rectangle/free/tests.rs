@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use proptest::prelude::*;
 
 use super::super::TURNING_WHILE_MOVING_BOUND;
+use super::super::along_wall::DistanceLaw;
 use super::super::tests::{footprints, outline_distance, point, pose, scenes, walls};
 use super::*;
 use crate::budget::{Allowance, Cap};
@@ -260,4 +261,68 @@ proptest! {
         let curve = Curve::Line { from, to, heading, turned };
         check(&footprint, &[curve], &walls, FREE_TURNING_WHILE_MOVING_BOUND + TURNING_WHILE_MOVING_BOUND);
     }
+}
+
+/// Distances that are almost the same cross where the tolerance says, with all their digits.
+#[test]
+fn tolerance_moves_a_crossing_but_does_not_lose_it() {
+    let law = |foot: f64, square: f64, add: f64| DistanceLaw::Root { foot, square, add, sign: 1.0 };
+    let (one, other) = (law(1.4875758118803468, 1.4830164193681075, 0.0), law(1.8, 0.8, -1e-9));
+    let mut found = Vec::new();
+    one.crossings(&other, (-5.0, 5.0), |place| found.push(place));
+    // (u - a)^2 + b = (u - c)^2 + d, but for the tolerance.
+    let (a, b, c, d) = (1.4875758118803468_f64, 1.4830164193681075, 1.8_f64, 0.8);
+    let middle = (c * c - a * a + d - b) / (2.0 * (c - a));
+    assert_eq!(found.len(), 2);
+    for place in found {
+        assert!((place - middle).abs() < 1e-8, "{place} {middle}");
+    }
+}
+
+proptest! {
+    /// A change of order between any two places is found, to rounding.
+    #[test]
+    fn crossings_are_all_found(
+        laws in prop::array::uniform2((any::<bool>(), -3.0..3.0_f64, 0.0..4.0_f64, -1.0..1.0_f64)),
+        close in any::<bool>(),
+    ) {
+        let [one, mut other] = laws.map(|(is_root, foot, square, add)| if is_root {
+            DistanceLaw::Root { foot, square, add: if close { 0.0 } else { add }, sign: 1.0 }
+        } else {
+            DistanceLaw::Linear { at: foot, slope: add }
+        });
+        if let (true, DistanceLaw::Root { add, .. }) = (close, &mut other) {
+            *add = -1e-9;
+        }
+        let mut places = vec![-5.0, 5.0];
+        one.crossings(&other, (-5.0, 5.0), |place| places.push(place));
+        places.sort_by(f64::total_cmp);
+        for pair in places.windows(2) {
+            let apart = |part: f64| {
+                let place = pair[0] + (pair[1] - pair[0]) * part;
+                one.at(place) - other.at(place)
+            };
+            let apart: Vec<_> = (1..100).map(|part| apart(f64::from(part) / 100.0)).collect();
+            let (least, most) = apart.iter().fold((0.0_f64, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
+            prop_assert!(least > -1e-13 || most < 1e-13, "{one:?} {other:?} {pair:?} {least} {most}");
+        }
+    }
+}
+
+#[test]
+fn side_that_turns_about_its_middle_is_bounded() {
+    // The front edge turns about a point of itself: what it sweeps is no quadrangle.
+    let footprint = Footprint::offset(1.875058490121111, 0.0, 0.05).unwrap();
+    let curve = Curve::Line {
+        from: point(1.6624289746395775, -1.6301584352217209),
+        to: point(-0.25179301426803663, 1.1266868837717894),
+        heading: 0.9304674087862562,
+        turned: 0.7349478462032978,
+    };
+    let dots = [[1.140492664896409, 1.4589327582268765], [0.0, -2.1895405540542976]];
+    let walls = walls(&dots.map(|[x, y]| [x, y, x, y]));
+    let found = free(&footprint, &[curve], &walls).unwrap();
+    let dot = Vector::from(dots[1]);
+    let exact = exact(&footprint, &[curve], &dot);
+    assert!((found.value - exact).abs() < 2e-7 && found.wall == dot, "{found:?} {exact}");
 }
