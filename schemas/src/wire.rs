@@ -179,7 +179,7 @@ pub struct RequestHeader {
     pub stop_cost: f64,
     /// From the reference point back to the footprint's end, metres.
     pub rear: f64,
-    /// SHA-256 that names an uploaded free space.
+    /// SHA-256 of the free space.
     pub named: [u8; 32],
 }
 

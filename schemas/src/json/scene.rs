@@ -172,8 +172,8 @@ impl SceneJson<'_> {
 }
 
 /// Where the body can move, given by channels, by solids, or by both: then the channels say where
-/// to travel, and clearance is measured to the solids. Or, for `drive`, by the name of a free space
-/// that the planner holds.
+/// to travel, and clearance is measured to the solids. Or by the name alone of a free space that
+/// the planner knows.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "free_space"))]
 #[serde(deny_unknown_fields)]
@@ -191,7 +191,8 @@ struct FreeSpaceJson<'a> {
     /// channels. Default for assembly tasks: the bounding box of the solids, open on the exit side.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<BoxJson>,
-    /// `drive` only, in place of all other fields: the SHA-256 of an uploaded free space.
+    /// The SHA-256 of the free space's canonical outlines. Beside the content it makes the free
+    /// space known to the planner; alone it stands for the content.
     #[serde(skip_serializing_if = "Option::is_none")]
     named: Option<DigestJson>,
 }

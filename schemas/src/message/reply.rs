@@ -368,7 +368,7 @@ pub enum ErrorCode {
     Internal = "internal",
     /// Answering would take more time or memory than the planner allows.
     TooCostly = "too_costly",
-    /// The planner holds no free space of this name; send the free space itself.
+    /// The planner knows no free space of this name; send its content once more, with the name.
     UnknownFreeSpace = "unknown_free_space",
 }
 }

@@ -100,7 +100,7 @@ pub enum Task {
 }
 }
 
-/// Where the body can move: by channels, by solids, by both, or by name.
+/// Where the body can move: by channels, by solids, by both, or by a name alone.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct FreeSpace {
     /// The channels.
@@ -111,7 +111,8 @@ pub struct FreeSpace {
     pub solids: Option<Vec<Solid>>,
     /// Where the free space between the solids ends.
     pub bounds: Option<AxisBox>,
-    /// The name of an uploaded free space, in place of all other fields.
+    /// Its name. Beside the content it makes the free space known to the planner; alone it stands
+    /// for a free space that the planner knows.
     pub named: Option<Digest>,
 }
 

@@ -1,4 +1,4 @@
-//! What a request says of a robot: what it may do, what its motion costs, and where it drives.
+//! What a request says of a robot: what it may do, and what its motion costs.
 
 use answer::{Caps, reply_to};
 use schemas::json::read_scene;
