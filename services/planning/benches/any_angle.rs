@@ -41,7 +41,8 @@ fn rectangle(center: [f64; 2], [length, width]: [f64; 2], turn: f64) -> Vec<Vect
 fn pillars(side: usize) -> (f64, Vec<Vec<Vector<2>>>) {
     let mut state = 7_u64;
     let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f64 / (1_u64 << 24) as f64
     };
     let all = (0..side * side).map(|index| {
