@@ -140,6 +140,9 @@ fn channels_in_any_order_are_travelled_as_in_order() {
         assert_eq!(routed.len(), in_order.len());
         for (routed, in_order) in routed.into_iter().zip(in_order) {
             let reversed: Vec<_> = (0..count).rev().collect();
+            // A robot's reply says more where it may travel in any order.
+            let legs = routed.legs.iter().map(|leg| Leg { rung: None, ..*leg }).collect();
+            let routed = Trajectory { bound: None, free_clearance: None, legs, ..routed };
             assert_eq!(routed, Trajectory { route: reversed, ..in_order });
         }
     }
@@ -159,7 +162,7 @@ fn a_floor_plan_is_planned_through() {
     let answers = reply["trajectories"].as_array().unwrap();
     assert_eq!(answers.len(), 3);
     for answer in answers {
-        assert_eq!(answer["route"].as_array().unwrap().len(), 3);
+        assert!(answer["bound"].as_f64().unwrap() <= answer["length"].as_f64().unwrap());
         assert!(answer["clearance"]["value"].as_f64().unwrap() > 0.19);
     }
 }
@@ -201,11 +204,11 @@ fn what_would_open_a_way_is_said_of_each_kind() {
         (route, z, Some(1.0), Some(-0.25), "channels 0 and 1 are 0.25 m apart along z"),
         (route, x, Some(1.0), Some(0.75), "the junction of channels 0 and 2"),
         (gap, x, None, Some(0.2), "less than 0.125 m along x"),
-        (route, y, Some(1.25), Some(0.5), "from (x 4, y 2) to (x 4.25, y 2.5) is 0.5 m wide"),
-        (gap, y, None, Some(0.5), "a gap of less than 0.368033989 m instead of 0.5 m"),
-        (route, x, Some(0.0), Some(-0.25), "a wall of solid 0, 0.25 m thick along x, separates"),
-        (body, y, Some(0.75), Some(0.5), "no room at the start"),
-        (goal, x, None, Some(0.125), "the goal lies 0.125 m into solid 1 along x"),
+        (route, None, Some(0.75), Some(0.5), "which are 0.5 m apart"),
+        (gap, None, None, Some(0.5), "the gap must be less than 0.375 m, not 0.5 m"),
+        (route, None, Some(0.0), Some(-0.25), "walls enclose the goal; they are thinnest"),
+        (body, None, None, None, "start: the robot touches the wall"),
+        (goal, None, None, Some(0.125), "goal.position is inside solid 1, 0.125 m"),
         (route, x, Some(2.5), Some(2.0), "from (x 1, z 6) to (x 3, z 7) is 2 m wide along x"),
         (route, z, Some(4.25), Some(4.0), "from (x 1, z 2) to (x 7, z 6) is 4 m wide along z"),
         (route, z, Some(0.0), Some(-0.5), "a wall of solid 1, 0.5 m thick along z, separates"),
@@ -217,7 +220,8 @@ fn what_would_open_a_way_is_said_of_each_kind() {
         let found = (refusal.code, refusal.axis, refusal.needs, refusal.has);
         assert_eq!(found, (code, axis, needs, has), "{refusal:?}");
         assert!(refusal.message.contains(says), "{says}: {refusal:?}");
-        let at_junction = code == route || code == gap;
+        // Among walls at any angle two wall points are named instead.
+        let at_junction = (code == route || code == gap) && axis.is_some();
         assert_eq!(refusal.junction.is_some(), at_junction, "{refusal:?}");
     }
 }

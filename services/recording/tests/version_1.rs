@@ -1,5 +1,5 @@
-//! Recordings of version 1, for ever: the files in `recordings/` were written by its
-//! writer and stay as they are, byte for byte.
+//! Recordings of version 1, for ever: files written by its writer, byte for byte. Three are still the
+//! golden recordings of today; the others, whose replies have changed since, lie beside this test.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,9 @@ const FILES: [(&str, u32, usize); 6] = [
 ];
 
 fn path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../recordings/{name}.mcap"))
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let beside = folder.join(format!("tests/version_1/{name}.mcap"));
+    if beside.exists() { beside } else { folder.join(format!("../../recordings/{name}.mcap")) }
 }
 
 fn records(path: &Path) -> Vec<Record> {

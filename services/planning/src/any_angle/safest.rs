@@ -34,7 +34,8 @@ pub(super) fn safest(
     if widest <= half {
         return Err(refusal::no_way(errand, half, planner, budget)?);
     }
-    let mut search = SafestSearch { errand, planner, best: None, refused: None, budget };
+    let mut search =
+        SafestSearch { errand, planner, best: None, refused: None, blocked_gap: 0.0, budget };
     let (mut low, mut high) = (0.0, widest - half);
     if !search.try_target(at_least(high))? {
         for step in 1..GAPS {
@@ -42,6 +43,10 @@ pub(super) fn safest(
             search.try_target(with_gap(gap))?;
         }
         search.refine(high / GAPS as f64, high)?;
+        // Where a gap leads nowhere else, poses are searched, whatever the gap.
+        if search.blocked_gap > 0.0 {
+            search.try_target(Target { searches_poses: true, ..with_gap(search.blocked_gap) })?;
+        }
         low = search.best_clearance().max(low);
         while high - low > PRECISION {
             let middle = (low + high) / 2.0;
@@ -90,6 +95,8 @@ struct SafestSearch<'a, 'b> {
     /// Its free clearance and cost.
     best: Option<(f64, f64, RobotMotion)>,
     refused: Option<NoMotion>,
+    /// A gap with which the robot was blocked, metres.
+    blocked_gap: f64,
     budget: &'a Budget<'b>,
 }
 
@@ -111,7 +118,12 @@ impl SafestSearch<'_, '_> {
             }
             Err(NoMotion::Spent(spent)) => return Err(spent.into()),
             Err(refused) => {
-                self.refused.get_or_insert(refused);
+                if matches!(refused, NoMotion::Blocked { .. }) && target.least.is_none() {
+                    self.blocked_gap = target.gap;
+                    self.refused = Some(refused);
+                } else {
+                    self.refused.get_or_insert(refused);
+                }
                 return Ok(false);
             }
         }

@@ -154,6 +154,12 @@ proptest! {
         });
     }
 
+}
+
+proptest! {
+    // Fifty motions each, some of which take a search over poses.
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
     #[test]
     fn no_gap_beats_the_safest(room in rooms(), footprint in footprints(), ends in ends()) {
         let (start, goal, _) = ends;
@@ -168,8 +174,14 @@ proptest! {
                 let gap = f64::from(gap) * 0.02;
                 let Ok(found) = find(errand, Wish::Gap(gap), &mut planner) else { continue };
                 let safest = safest.as_ref().expect("a motion, as with a gap");
-                let [least, most] = [&found, safest].map(|found| found.clearance.unwrap().value);
+                let [least, most] = [&found, safest].map(|found| found.free_clearance);
                 assert!(most >= least - 1e-9, "gap {gap}: {least} > {most}");
+                // With any heading at the goal, what the robot keeps there depends on the way.
+                if errand.goal.heading.is_some() {
+                    let [least, most] =
+                        [&found, safest].map(|found| found.clearance.unwrap().value);
+                    assert!(most >= least - 1e-9, "gap {gap}: {least} > {most}");
+                }
             }
         });
     }
