@@ -171,7 +171,7 @@ impl ExploreArcs<'_, '_> {
         }
         let word = self.steering.word(pieces);
         let cost = node.cost + word.cost + self.steering.cost_of_change(&node.word, &word);
-        if self.is_beaten(pose_key(&place.at, self.bin, self.slot(&place)), cost)
+        if self.is_beaten(pose_key(&place.at, self.bin, Self::slot(&place)), cost)
             || self.way_left(&place.at).is_infinite()
             || self.steering.drive(&node.place, word.pieces(), self.probe)?.is_none()
         {
@@ -195,7 +195,7 @@ impl ExploreArcs<'_, '_> {
         let key = match (can_turn, is_open) {
             (true, true) => pose_key(&place.at, OPEN_BINS * self.bin, OPEN),
             (true, false) => pose_key(&place.at, self.bin, ANY),
-            _ => pose_key(&place.at, self.bin, self.slot(&place)),
+            _ => pose_key(&place.at, self.bin, Self::slot(&place)),
         };
         if !self.is_beaten(key, cost) {
             self.push(ArcNode { place, word, cost, before, key, can_turn, is_open });
@@ -251,7 +251,7 @@ impl ExploreArcs<'_, '_> {
         straight.max(self.field.to_goal(at) / DETOUR - self.field.step)
     }
 
-    fn slot(&self, place: &SteerPlace) -> u16 {
+    fn slot(place: &SteerPlace) -> u16 {
         let turn = libm::round(place.heading / TAU * f64::from(HEADINGS)) as i64;
         turn.rem_euclid(i64::from(HEADINGS)) as u16
     }

@@ -412,7 +412,7 @@ impl Explore<'_, '_> {
             return Ok(());
         }
         for back in self.senses() {
-            let heading = self.heading_to(node, &goal, *back);
+            let heading = Self::heading_to(node, &goal, *back);
             if node.slot != ANY
                 && (shortest_turn(node.heading, heading).abs() > SMALL_TURN
                     || self.probe.turn(&node.at, node.heading, heading)?.is_none())
@@ -464,7 +464,7 @@ impl Explore<'_, '_> {
         key: u64,
     ) -> Result<(), Spent> {
         self.probe.budget.step(STEPS_PER_OFFER)?;
-        let heading = self.heading_to(node, at, back);
+        let heading = Self::heading_to(node, at, back);
         let cost = self.cost_of_line(node, heading, back, (at - node.at).norm());
         if self.is_beaten(key, cost) {
             return Ok(());
@@ -483,7 +483,7 @@ impl Explore<'_, '_> {
 
     /// Straight to a place where the robot can turn.
     fn offer_free(&mut self, from: (u32, &PoseNode), at: &Vector<2>, back: bool, key: u64) {
-        let heading = self.heading_to(from.1, at, back);
+        let heading = Self::heading_to(from.1, at, back);
         self.offer_line(from, at, heading, back, (ANY, key, self.probe.swing));
     }
 
@@ -529,7 +529,7 @@ impl Explore<'_, '_> {
         node.cost + length + costs.turn * angle + if stops { costs.stop } else { 0.0 }
     }
 
-    fn heading_to(&self, node: &PoseNode, at: &Vector<2>, back: bool) -> f64 {
+    fn heading_to(node: &PoseNode, at: &Vector<2>, back: bool) -> f64 {
         let way = if back { node.at - at } else { at - node.at };
         libm::atan2(way.y, way.x)
     }

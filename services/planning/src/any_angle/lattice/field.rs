@@ -28,7 +28,7 @@ const OPEN: f64 = 2.5;
 const STEPS_PER_CELL: u64 = 8;
 
 /// Half of the diagonal of a cell of side 1.
-const HALF_DIAGONAL: f64 = 0.707_106_781_186_547_6;
+const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Moves in 16 directions: to the eight neighbours and as a knight. Paths along them are at most
 /// [`DETOUR`] times as long as straight ones.
@@ -135,7 +135,7 @@ impl Field {
         probe.budget.step(walls.len() as u64)?;
         let (mut low, mut high) = (Vector::<2>::zeros(), Vector::<2>::zeros());
         let ends = walls.iter().flat_map(|wall| [&wall.from, &wall.to]);
-        for point in ends.map(|end| probe.to_local(end)).chain([probe.goal]) {
+        for point in ends.map(|end| probe.in_frame(end)).chain([probe.goal]) {
             (low, high) = (low.inf(&point), high.sup(&point));
         }
         let step = probe.errand.footprint.width() / CELLS_PER_WIDTH;
@@ -247,7 +247,7 @@ impl Field {
 }
 
 fn crosses_wall(probe: &Probe<'_>, from: &Vector<2>, to: &Vector<2>) -> Result<bool, Spent> {
-    let [from, to] = [from, to].map(|point| probe.to_world(point));
+    let [from, to] = [from, to].map(|point| probe.in_world(point));
     let budget: &Budget<'_> = probe.budget;
     let (mut crosses, mut looks) = (false, 0);
     probe.errand.walls.near_line((&from, &to), 0.0, budget, |_, wall| {

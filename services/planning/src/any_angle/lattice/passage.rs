@@ -76,7 +76,7 @@ pub(super) fn find(
     for index in 0..count {
         probe.budget.step(STEPS_PER_FACE)?;
         let face = floor.face(index);
-        let corners = face.vertices.map(|vertex| probe.to_local(&floor.vertex(vertex)));
+        let corners = face.vertices.map(|vertex| probe.in_frame(&floor.vertex(vertex)));
         let edge = |edge: usize| corners[(edge + 1) % 3] - corners[edge];
         // Too small for any gap.
         if (0..3).all(|side| edge(side).norm() <= probe.width()) {
@@ -134,7 +134,7 @@ fn wall_directions(probe: &Probe<'_>, face: &Face) -> [Option<Vector<2>>; 3] {
     for (side, direction) in directions.iter_mut().enumerate() {
         if face.is_wall[side] {
             let ends = [side, (side + 1) % 3].map(|end| floor.vertex(face.vertices[end]));
-            let [from, to] = ends.map(|end| probe.to_local(&end));
+            let [from, to] = ends.map(|end| probe.in_frame(&end));
             *direction = Some((to - from).normalize());
         }
     }

@@ -61,14 +61,14 @@ impl<'a> Probe<'a> {
         self.errand.footprint.width() + 2.0 * self.needs
     }
 
-    pub(super) fn to_world(&self, point: &Vector<2>) -> Vector<2> {
+    pub(super) fn in_world(&self, point: &Vector<2>) -> Vector<2> {
         if *point == self.goal {
             return self.errand.goal.position;
         }
         self.errand.start.position + rotated(point, &self.axis)
     }
 
-    pub(super) fn to_local(&self, point: &Vector<2>) -> Vector<2> {
+    pub(super) fn in_frame(&self, point: &Vector<2>) -> Vector<2> {
         unrotated(&(point - self.errand.start.position), &self.axis)
     }
 
@@ -78,7 +78,7 @@ impl<'a> Probe<'a> {
 
     /// The distance of a point from the walls, at most `most`; metres.
     pub(super) fn distance(&self, point: &Vector<2>, most: f64) -> Result<f64, Spent> {
-        let point = self.to_world(point);
+        let point = self.in_world(point);
         let mut least = most;
         let mut looks = STEPS_PER_LOOK;
         self.errand.walls.near(&point, &point, most, self.budget, |_, wall| {
@@ -96,7 +96,7 @@ impl<'a> Probe<'a> {
 
     /// The straight line between two points, driven forwards or backwards.
     pub(super) fn line(&self, from: &Vector<2>, to: &Vector<2>, back: bool) -> Curve<2> {
-        let [from, to] = [from, to].map(|point| self.to_world(point));
+        let [from, to] = [from, to].map(|point| self.in_world(point));
         let way = to - from;
         let direction = libm::atan2(way.y, way.x);
         let heading = if back { wrapped(direction + PI) } else { direction };
@@ -142,7 +142,7 @@ impl<'a> Probe<'a> {
         if sweep.abs() <= SAME_HEADING || self.can_turn(at)? {
             return Ok(Some(sweep));
         }
-        let position = self.to_world(at);
+        let position = self.in_world(at);
         let from_heading = self.world_heading(from);
         for sweep in [sweep, sweep - TAU.copysign(sweep)] {
             if self.is_free(&Curve::Turn { position, from_heading, sweep })? {

@@ -128,7 +128,7 @@ fn places_on(track: &ArcTrack, steering: &Steering) -> Vec<SteerPlace> {
 fn thin(places: Vec<SteerPlace>) -> Vec<SteerPlace> {
     let every = places.len().div_ceil(2 * MOST_PLACES);
     let last = places.len() - 1;
-    let is_kept = |index: &usize| index % every == 0 || *index == last;
+    let is_kept = |index: &usize| index.is_multiple_of(every) || *index == last;
     (0..places.len()).filter(is_kept).map(|index| places[index]).collect()
 }
 
@@ -222,7 +222,7 @@ fn descend(track: &mut ArcTrack, steering: &Steering, probe: &Probe<'_>) -> Resu
 
 /// A place a little ahead, behind, to the left or right, or turned.
 fn moved(place: &SteerPlace, way: usize, part: f64, steering: &Steering) -> SteerPlace {
-    let by = if way % 2 == 0 { part } else { -part };
+    let by = if way.is_multiple_of(2) { part } else { -part };
     let step = by * steering.radius;
     let ahead = unit(place.heading);
     match way / 2 {

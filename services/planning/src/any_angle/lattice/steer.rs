@@ -156,13 +156,13 @@ impl Steering {
             RunAlong::Line => {
                 let to = self.follow(from, piece);
                 let heading = probe.world_heading(from.heading);
-                let [from, to] = [&from.at, &to.at].map(|point| probe.to_world(point));
+                let [from, to] = [&from.at, &to.at].map(|point| probe.in_world(point));
                 Curve::Line { from, to, heading, turned: 0.0 }
             }
             RunAlong::Circle(side) => {
                 let forth = if piece.back { -1.0 } else { 1.0 };
                 Curve::Arc {
-                    center: probe.to_world(&self.center(from, side)),
+                    center: probe.in_world(&self.center(from, side)),
                     radius: self.radius,
                     start_angle: probe.world_heading(from.heading - side * FRAC_PI_2),
                     sweep: side * forth * piece.size / self.radius,
@@ -170,7 +170,7 @@ impl Steering {
                 }
             }
             RunAlong::Turn(side) => Curve::Turn {
-                position: probe.to_world(&from.at),
+                position: probe.in_world(&from.at),
                 from_heading: probe.world_heading(from.heading),
                 sweep: side * piece.size,
             },

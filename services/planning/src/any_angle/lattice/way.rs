@@ -91,7 +91,7 @@ impl Way {
             // The way round that was found free.
             let turns = libm::round((self.sweeps[knot] - short) / std::f64::consts::TAU);
             let sweep = short + turns * std::f64::consts::TAU;
-            let position = probe.to_world(&self.knots[knot]);
+            let position = probe.in_world(&self.knots[knot]);
             Curve::Turn { position, from_heading, sweep }
         };
         for leg in 0..self.backs.len() {
