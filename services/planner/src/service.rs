@@ -74,7 +74,7 @@ fn deadline(header: &RequestHeader) -> Option<Instant> {
     if header.given & given::DEADLINE == 0 {
         return None;
     }
-    let left = Duration::try_from_secs_f64(header.deadline).ok()?;
+    let left = Duration::try_from_secs_f64(header.deadline).ok().filter(|left| !left.is_zero())?;
     Instant::now().checked_add(left)
 }
 
