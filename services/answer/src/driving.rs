@@ -5,16 +5,16 @@ use std::sync::Arc;
 
 use planning::any_angle::{self, Planner, RobotMotion};
 use planning::driving::limits;
+use planning::free_space::floor::Floor;
 use planning::free_space::walls::{Complement, Walls};
-use planning::geometry::Vector;
-use planning::route::{self, Judgement, Mover, RouteError, Router};
+use planning::route::{self, Judgement, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
 use schemas::message::{self, ClearanceWish, ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
-use crate::free_space::{Buffers, Cut, FreeSpace, Source};
+use crate::free_space::{Buffers, FreeSpace, given_channels};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, FLOOR, Refused};
 use crate::stop::StopFlag;
@@ -50,11 +50,12 @@ struct Memory {
 struct DrivingJob<'a> {
     errand: Errand,
     pace: Pace,
-    source: Source<'a, 2>,
     space: FreeSpace<'a, 2>,
     walls: Arc<Walls<2>>,
     /// For which gap the course was found; `None`: for none yet.
     found_for: Option<AnyGap>,
+    /// What full reports are made with.
+    certifier: Option<(Floor, Planner)>,
     /// Of the answer at hand, where the request asks for a full report.
     certificate: Option<Certificate>,
     memory: &'a mut Memory,
@@ -84,31 +85,21 @@ impl Driving {
             let mut job = AnywhereJob::new(scene, (errand, pace), space, anywhere, resources)?;
             return answer_each(&mut job, wishes, (budget, stop), parts);
         }
-        let size = [errand.footprint.width(), errand.footprint.length()];
-        let mut source = Source::read(scene, &FLOOR, &size, buffers, &mut resources)?;
-        let bounds = |cut: &Cut<'_, 2>| {
-            cut.bounds().ok_or_else(|| {
-                let message = "free_space.bounds is missing; solids alone do not bound a floor";
-                Refusal::invalid("free_space.bounds", message)
-            })
-        };
-        let room = Vector::repeat(errand.footprint.width());
-        let mut space = source.open(bounds, room, &mut resources)?;
+        let mut space = given_channels(scene, &FLOOR, buffers, &mut resources)?;
         let walls = space.walls(None, &mut memory.complement, &mut resources)?;
         if let FreeSpace::InOrder(channels, _) = &space {
             let route = 0..channels.len();
             memory.course.lead(channels, route, &errand, resources.budget)?;
         }
         let (found_for, budget) = (None, resources.budget);
-        let certificate = None;
         let mut job = DrivingJob {
             errand,
             pace,
-            source,
             space,
             walls,
             found_for,
-            certificate,
+            certifier: None,
+            certificate: None,
             memory,
             resources,
         };
@@ -175,7 +166,7 @@ impl Job for DrivingJob<'_> {
             self.certificate = Some(self.certify()?);
         }
         let Memory { course, profile, .. } = &mut *self.memory;
-        let cells = course.gaps.len() + course.route.len() + 4 * self.space.made().len();
+        let cells = course.gaps.len() + course.route.len();
         self.pace.plan(course.path.legs(), profile, cells, &self.resources)
     }
 
@@ -185,7 +176,7 @@ impl Job for DrivingJob<'_> {
         let lists = TrajectoryWriter {
             gaps: gaps.iter().copied(),
             route: route.iter().map(|channel| *channel as u64),
-            channels: parts::boxes(self.space.made()),
+            channels: parts::boxes::<2>(&[]),
             legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
             samples: self.pace.states(path.legs(), profile),
         };
@@ -205,11 +196,17 @@ impl Job for DrivingJob<'_> {
 
 impl DrivingJob<'_> {
     /// The free clearance and the bound of the answer at hand.
-    fn certify(&self) -> Result<Certificate, Refused> {
-        let Self { errand, walls, memory, resources, .. } = self;
+    fn certify(&mut self) -> Result<Certificate, Refused> {
+        let Self { errand, walls, certifier, memory, resources, .. } = self;
         let budget = resources.budget;
+        let (floor, planner) = match certifier {
+            Some(known) => known,
+            None => {
+                let floor = anywhere::floor_among(walls, budget)?;
+                certifier.insert((floor, Planner::default()))
+            }
+        };
         let path = &memory.course.path;
-        let floor = anywhere::floor_among(walls, budget)?;
         let mut motion = RobotMotion {
             legs: path.legs().to_vec(),
             length: path.length(),
@@ -217,8 +214,7 @@ impl DrivingJob<'_> {
             is_complete: true,
             ..RobotMotion::default()
         };
-        let task = errand.among(walls, &floor);
-        any_angle::certify(&task, &mut Planner::default(), &mut motion, budget)?;
+        any_angle::certify(&errand.among(walls, floor), planner, &mut motion, budget)?;
         Ok(anywhere::certificate(&motion))
     }
 
@@ -228,7 +224,7 @@ impl DrivingJob<'_> {
             let error = RouteError::GapNotPositive { axis: 0, gap, least: 0.0 };
             return Err(refuse::route(&FLOOR, wish.field(), error));
         }
-        let Self { errand, source, space, walls, memory, resources, .. } = self;
+        let Self { errand, space, walls, memory, resources, .. } = self;
         let Memory { router, course, spare, .. } = &mut **memory;
         let Some(graph) = space.graph() else { return Ok(()) };
         let mut robot = errand.robot(gap.unwrap_or(0.0));
@@ -255,13 +251,7 @@ impl DrivingJob<'_> {
         let found = found.map_err(|error| match (error, first) {
             (RouteError::Blocked, Some(refused)) => refused,
             (error, _) => {
-                let error = (wish.field(), error);
-                let refused = match (source, &*space) {
-                    (Source::Solids(cut), FreeSpace::Made(made)) => {
-                        cut.refuse_route(made, &FLOOR, error, robot.traveller(), resources)
-                    }
-                    _ => refuse::route(&FLOOR, error.0, error.1),
-                };
+                let refused = refuse::route(&FLOOR, wish.field(), error);
                 with_less_gap(refused, errand, gap, wish)
             }
         })?;

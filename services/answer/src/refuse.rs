@@ -10,7 +10,7 @@ mod route;
 mod scene;
 mod words;
 
-pub(crate) use anywhere::{gap_per_junction, in_solid, no_motion, one_gap, out_of_bounds};
+pub(crate) use anywhere::{gap_per_junction, in_solid, no_motion, out_of_bounds};
 pub(crate) use assembly::{chain, disassembly, wall_in_the_way};
 pub(crate) use blocked::blocked;
 pub(crate) use cost::{answers, cells, too_many_samples};

@@ -8,7 +8,7 @@ use schemas::wire::RequestHeader;
 use crate::refuse::Refused;
 
 /// So many cells are read and checked in the time of a step.
-const CELLS_PER_STEP: u64 = 4;
+pub(crate) const CELLS_PER_STEP: u64 = 4;
 
 /// The most that a cell takes once it is read, bytes: solids with hardly a vertex, in lists that
 /// grow.

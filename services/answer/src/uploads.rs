@@ -8,8 +8,8 @@ use schemas::message::{Digest, ErrorCode, FreeSpace, Refusal};
 use crate::refuse::Refused;
 use crate::scene;
 
-/// Steps of the budget that a cell of a free space takes: as if it had been sent.
-const CELLS_PER_STEP: usize = 4;
+/// So many bytes are digested in the time of a step.
+const DIGESTED_PER_STEP: u64 = 16;
 
 /// The free spaces used last, bounded in bytes.
 ///
@@ -51,10 +51,11 @@ impl Uploads {
             let bytes = scene::free_space_bytes(free_space);
             self.bytes -= bytes;
             self.lent = Some(name);
-            budget.step((bytes / size_of::<u64>() / CELLS_PER_STEP) as u64)?;
+            // As if it had been sent.
+            budget.step((bytes / size_of::<u64>()) as u64 / scene::CELLS_PER_STEP)?;
             return Ok(budget.hold(bytes)?);
         }
-        budget.step(scene::free_space_bytes(free_space) as u64 / 16)?;
+        budget.step(scene::free_space_bytes(free_space) as u64 / DIGESTED_PER_STEP)?;
         let has = free_space.digest();
         if has != name {
             return Err(other_name(name, has).into());

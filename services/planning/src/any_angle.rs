@@ -28,6 +28,7 @@ mod lattice;
 mod legs;
 mod measure;
 mod planner;
+mod queue;
 mod refusal;
 mod safest;
 mod sight;
@@ -183,9 +184,6 @@ pub enum NoMotion {
     #[error(transparent)]
     Spent(#[from] Spent),
 }
-
-/// A clearance up to this counts as contact, metres.
-pub(crate) const CONTACT: f64 = 1e-12;
 
 /// Free clearances are found to this, metres.
 pub(crate) const PRECISION: f64 = 1e-9;

@@ -56,7 +56,7 @@ use crate::motion::{Curve, Leg, wrapped};
 pub use crate::motion::Pose;
 
 mod error;
-mod legs;
+pub(crate) mod legs;
 pub mod limits;
 mod refusal;
 pub mod rules;
@@ -67,6 +67,7 @@ mod taut;
 pub use error::DrivingError;
 pub use safest::safest;
 
+use legs::Rounding;
 use rules::TurnRule;
 use taut::Knot;
 
@@ -234,7 +235,7 @@ impl DrivingPath {
 }
 
 /// A clearance up to this counts as contact, metres.
-const CONTACT: f64 = 1e-12;
+pub(crate) const CONTACT: f64 = 1e-12;
 
 /// Finds the path with these gaps and measures its clearance; an error if the robot would
 /// touch a wall.
@@ -251,26 +252,19 @@ pub fn drive(
     let first_arc = path.legs.iter().position(is_arc);
     let last_arc = path.legs.iter().rposition(is_arc);
 
-    let mut whole = Met::NOTHING;
-    let mut turning = Met::NOTHING;
-    let mut travelled = 0.0;
-    let mut guess = footprint.width().max(footprint.length());
-    for (index, leg) in path.legs.iter().enumerate() {
-        let met = rectangle::nearest(footprint, &leg.curve, drive.walls, guess, budget)?;
+    let (mut whole, mut turning) = (Met::NOTHING, Met::NOTHING);
+    let DrivingPath { legs, leg_clearances, .. } = &mut *path;
+    rectangle::nearest_along(footprint, legs, drive.walls, budget, |index, met, at| {
         if met.value <= CONTACT {
-            let legs = &path.legs;
-            return Err(refusal::contact(drive, &gaps, legs, (index, &met), budget)?);
+            return Err(refusal::contact(drive, &gaps, legs, (index, met), budget)?);
         }
-        let length = leg.curve.length();
-        let at = travelled + met.along * length;
         whole.offer(met.value, at, met.wall);
         if first_arc <= Some(index) && Some(index) <= last_arc {
             turning.offer(met.value, at, met.wall);
         }
-        path.leg_clearances.push(met.value);
-        travelled += length;
-        guess = rectangle::next_guess(&met, guess);
-    }
+        leg_clearances.push(met.value);
+        Ok::<_, DrivingError>(())
+    })?;
     path.clearance = whole.clearance();
     path.turning = if first_arc.is_some() { turning.clearance() } else { path.clearance };
     Ok(())
@@ -293,7 +287,13 @@ pub fn route(
     refusal::check_ends(drive)?;
     refusal::check_gaps(drive, &gaps)?;
     let last = taut::tighten(drive, &gaps, knots, kept, budget)?;
-    legs::write(drive, knots, &last, legs);
+    let rounding = |knot: &Knot| {
+        let rule = Some(drive.corners[knot.corner].rule.name());
+        Rounding { circle: knot.circle, sweep: None, junction: knot.corner, rule }
+    };
+    let lines = knots.iter().map(|knot| (&knot.arrival, Some(rounding(knot))));
+    let ends = (&drive.start, drive.start_turn, &drive.goal);
+    legs::write(ends, lines.chain([(&last, None)]), None, legs);
     *length = legs.iter().map(|leg| leg.curve.length()).sum();
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! A robot among walls at any angle: free space from solids, floor plans, or channels in any order.
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use planning::any_angle::{self, Planner, RobotMotion, channels_travelled};
 use planning::budget::Budget;
@@ -9,9 +9,10 @@ use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;
 use planning::trajectory::Profile;
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
-use schemas::message::{Gap, Refusal, SceneRequest};
+use schemas::message::{Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
+use super::course::{one_number, wrong_gap};
 use super::errand::Errand;
 use crate::answers::{Job, Pace, Resources};
 use crate::cache::{Cached, Kind};
@@ -31,8 +32,9 @@ impl Cached for Floor {
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     planner: Planner,
-    /// The floor that the planner knows.
-    floor: Option<Arc<Floor>>,
+    /// The floor that the planner knows. Only the cache keeps floors; as long as this names one,
+    /// no other has its address.
+    floor: Weak<Floor>,
     found: RobotMotion,
     /// The greatest free clearance, once found, metres.
     safest: Option<f64>,
@@ -76,9 +78,9 @@ impl<'a> AnywhereJob<'a> {
         cache.describe_again(kind, 2);
         errand.check_inside(scene, channels, &walls, budget)?;
         let floor: Arc<Floor> = cache.get(budget, || floor_among(&walls, budget))?;
-        if memory.floor.as_ref().is_none_or(|known| !Arc::ptr_eq(known, &floor)) {
+        if memory.floor.as_ptr() != Arc::as_ptr(&floor) {
             memory.planner.forget();
-            memory.floor = Some(floor.clone());
+            memory.floor = Arc::downgrade(&floor);
         }
         memory.safest = None;
         let channels = channels.unwrap_or_default();
@@ -89,17 +91,11 @@ impl<'a> AnywhereJob<'a> {
     fn wished(&mut self, wish: &Wish<'_>) -> Result<any_angle::Wish, Refused> {
         let field = wish.field();
         match wish.gaps {
-            Gaps::Same(Gap::Uniform(gap)) => {
+            Gaps::Same(gap) => {
+                let gap = one_number(gap).ok_or_else(|| wrong_gap(field.clone()))?;
                 check::gap(&field, gap)?;
                 Ok(any_angle::Wish::Gap(gap))
             }
-            Gaps::Same(Gap::PerAxis(gaps)) => match gaps.as_slice() {
-                [gap] => {
-                    check::gap(&field, *gap)?;
-                    Ok(any_angle::Wish::Gap(*gap))
-                }
-                _ => Err(refuse::one_gap(field).into()),
-            },
             Gaps::AtLeast(least) => {
                 check::not_negative(&field, least, "m")?;
                 Ok(any_angle::Wish::AtLeast(least))
@@ -152,12 +148,8 @@ impl Job for AnywhereJob<'_> {
         let wished = self.wished(wish)?;
         self.drive(wished, wish)?;
         let Memory { found, profile, route, .. } = &mut *self.memory;
-        route.clear();
-        if !self.channels.is_empty() {
-            let rounding = self.floor.rounding();
-            let budget = self.resources.budget;
-            *route = channels_travelled(&found.legs, self.channels, rounding, budget)?;
-        }
+        let (rounding, budget) = (self.floor.rounding(), self.resources.budget);
+        channels_travelled(&found.legs, self.channels, rounding, route, budget)?;
         self.pace.plan(&found.legs, profile, 1 + route.len(), &self.resources)
     }
 

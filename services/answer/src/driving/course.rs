@@ -153,7 +153,7 @@ fn task<'a>(
 }
 
 /// A robot keeps one gap from a corner, in all directions.
-fn one_number(gap: Gap) -> Option<f64> {
+pub(super) fn one_number(gap: Gap) -> Option<f64> {
     match gap {
         Gap::Uniform(gap) => Some(gap),
         Gap::PerAxis(gaps) => match gaps.as_slice() {
@@ -163,7 +163,7 @@ fn one_number(gap: Gap) -> Option<f64> {
     }
 }
 
-fn wrong_gap(field: String) -> Refusal {
+pub(super) fn wrong_gap(field: String) -> Refusal {
     let message = format!("{field}: a robot keeps one gap from a corner; give one number");
     Refusal::invalid(field, message)
 }

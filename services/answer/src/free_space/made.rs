@@ -51,11 +51,6 @@ impl<const D: usize> Made<D> {
 }
 
 impl<const D: usize> Cut<'_, D> {
-    /// The bounds that the request gives.
-    pub(crate) fn bounds(&self) -> Option<AxisBox<D>> {
-        self.bounds
-    }
-
     /// Where to look for the channels of a cavity: within the bounds that the request gives, or
     /// those of its solids.
     pub(crate) fn cavity(&self, body: &AxisBox<D>, exit: Direction) -> Option<AxisBox<D>> {

@@ -7,10 +7,10 @@ use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::{AxisBox, Vector};
-use schemas::message::{self, Refusal, SceneRequest, Solid, Task};
+use schemas::message::{self, Refusal, SceneRequest, Solid};
 
 use super::made::Cut;
-use super::space::{Around, FreeSpace};
+use super::space::{Around, FreeSpace, complement_of};
 use super::take::{Pieces, Surfaces, TakeSolids, take_all};
 use crate::answers::Resources;
 use crate::cache::{Content, Kind};
@@ -65,31 +65,12 @@ impl<'a, const D: usize> Source<'a, D> {
         for<'b> Surfaces<'b, D>: TakeSolids<D>,
         for<'b> Pieces<'b, D>: TakeSolids<D>,
     {
-        let Buffers { channels, solids, made, outline } = buffers;
-        let bounds = match &scene.free_space.bounds {
-            Some(bounds) => Some(check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds)?),
-            None => None,
-        };
-        if let Some(given) = &scene.free_space.channels {
-            take_channels(given, axes, channels, resources.budget)?;
-            // One channel has but one order.
-            if scene.free_space.in_order || channels.len() == 1 {
-                let around = around(scene, axes, outline, resources)?;
-                return Ok(Self::Channels(FreeSpace::InOrder(channels, around)));
-            }
-            let Resources { budget, cache, .. } = resources;
-            cache.describe(Kind::Junctions, D).boxes(channels);
-            let graph = cache.get(budget, || {
-                let mut graph = Graph::default();
-                graph.build(channels, budget)?;
-                Ok::<_, Refused>(graph)
-            })?;
-            let around = around(scene, axes, outline, resources)?;
-            return Ok(Self::Channels(FreeSpace::Unordered(graph, around)));
+        let bounds = bounds(scene, axes)?;
+        if scene.free_space.channels.is_some() {
+            return given_channels(scene, axes, buffers, resources).map(Self::Channels);
         }
-        // What lies outside of a floor's bounds is wall.
-        let within = bounds.filter(|_| scene.task == Task::Drive);
-        let walls = surfaces(scene, axes, within, outline, resources)?;
+        let Buffers { solids, made, outline, .. } = buffers;
+        let walls = surfaces(scene, axes, None, outline, resources)?;
         solids.clear();
         let tolerance = SLANT * size.iter().copied().fold(f64::INFINITY, f64::min);
         let budget = resources.budget;
@@ -115,6 +96,36 @@ impl<'a, const D: usize> Source<'a, D> {
     }
 }
 
+/// The scene's channels, which it must have, and the walls around them.
+pub(crate) fn given_channels<'a, const D: usize>(
+    scene: &SceneRequest,
+    axes: &Axes,
+    buffers: &'a mut Buffers<D>,
+    resources: &mut Resources<'_>,
+) -> Result<FreeSpace<'a, D>, Refused>
+where
+    for<'b> Surfaces<'b, D>: TakeSolids<D>,
+{
+    bounds::<D>(scene, axes)?;
+    let Buffers { channels, outline, .. } = buffers;
+    let given = scene.free_space.channels.as_deref().unwrap_or_default();
+    take_channels(given, axes, channels, resources.budget)?;
+    // One channel has but one order.
+    if scene.free_space.in_order || channels.len() == 1 {
+        let around = around(scene, axes, outline, resources)?;
+        return Ok(FreeSpace::InOrder(channels, around));
+    }
+    let Resources { budget, cache, .. } = resources;
+    cache.describe(Kind::Junctions, D).boxes(channels);
+    let graph = cache.get(budget, || {
+        let mut graph = Graph::default();
+        graph.build(channels, budget)?;
+        Ok::<_, Refused>(graph)
+    })?;
+    let around = around(scene, axes, outline, resources)?;
+    Ok(FreeSpace::Unordered(graph, around))
+}
+
 /// The walls of a floor: the surfaces of its solids and its bounds, or all that its channels leave.
 pub(crate) fn floor_walls(
     scene: &SceneRequest,
@@ -123,24 +134,28 @@ pub(crate) fn floor_walls(
     resources: &mut Resources<'_>,
 ) -> Result<Arc<Walls<2>>, Refused> {
     let Buffers { channels, outline, .. } = buffers;
+    let bounds = bounds(scene, &FLOOR)?;
     let Some(given) = &scene.free_space.channels else {
-        let Some(bounds) = &scene.free_space.bounds else {
+        if bounds.is_none() {
             let message = "free_space.bounds is missing; solids alone do not bound a floor";
             return Err(Refusal::invalid("free_space.bounds", message).into());
-        };
-        let bounds = check::axis_box(|| "free_space.bounds".to_owned(), &FLOOR, bounds)?;
-        return surfaces(scene, &FLOOR, Some(bounds), outline, resources);
+        }
+        // What lies outside of them is wall.
+        return surfaces(scene, &FLOOR, bounds, outline, resources);
     };
     take_channels(given, &FLOOR, channels, resources.budget)?;
-    let Resources { budget, cache, .. } = resources;
-    let content = cache.describe(Kind::ChannelsWalls, 2);
-    content.mouth(None);
-    content.boxes(channels);
-    cache.get(budget, || {
-        let mut walls = Walls::default();
-        walls.set_complement(channels, None, complement, budget)?;
-        Ok::<_, Refused>(walls)
-    })
+    complement_of(channels, None, complement, resources)
+}
+
+/// The scene's bounds, checked, if it has any.
+fn bounds<const D: usize>(
+    scene: &SceneRequest,
+    axes: &Axes,
+) -> Result<Option<AxisBox<D>>, Refusal> {
+    let bounds = scene.free_space.bounds.as_ref();
+    bounds
+        .map(|bounds| check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds))
+        .transpose()
 }
 
 fn take_channels<const D: usize>(

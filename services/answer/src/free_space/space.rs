@@ -82,15 +82,7 @@ impl<const D: usize> FreeSpace<'_, D> {
         if let Some((_, walls)) = last.as_ref().filter(|(up_to, _)| *up_to == mouth) {
             return Ok(walls.clone());
         }
-        let Resources { budget, cache, .. } = resources;
-        let content = cache.describe(Kind::ChannelsWalls, D);
-        content.mouth(mouth);
-        content.boxes(channels);
-        let walls: Arc<Walls<D>> = cache.get(budget, || {
-            let mut walls = Walls::default();
-            walls.set_complement(channels, mouth, complement, budget)?;
-            Ok::<_, Refused>(walls)
-        })?;
+        let walls = complement_of(channels, mouth, complement, resources)?;
         *last = Some((mouth, walls.clone()));
         Ok(walls)
     }
@@ -102,4 +94,22 @@ impl<const D: usize> FreeSpace<'_, D> {
             Self::Made(made) => made.graph().channels(),
         }
     }
+}
+
+/// All that channels leave, up to a mouth.
+pub(super) fn complement_of<const D: usize>(
+    channels: &[AxisBox<D>],
+    mouth: Option<HalfSpace>,
+    complement: &mut Complement<D>,
+    resources: &mut Resources<'_>,
+) -> Result<Arc<Walls<D>>, Refused> {
+    let Resources { budget, cache, .. } = resources;
+    let content = cache.describe(Kind::ChannelsWalls, D);
+    content.mouth(mouth);
+    content.boxes(channels);
+    cache.get(budget, || {
+        let mut walls = Walls::default();
+        walls.set_complement(channels, mouth, complement, budget)?;
+        Ok(walls)
+    })
 }

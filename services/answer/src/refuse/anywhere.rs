@@ -16,12 +16,6 @@ pub(crate) fn gap_per_junction(field: String, has: usize) -> Refusal {
     Refusal { has: Some(has as f64), needs: Some(1.0), ..Refusal::invalid(field, message) }
 }
 
-/// Several numbers in place of one gap.
-pub(crate) fn one_gap(field: String) -> Refusal {
-    let message = format!("{field}: a robot keeps one gap from a corner; give one number");
-    Refusal::invalid(field, message)
-}
-
 /// A start or a goal out of bounds: along which axis, where they end, and where it is.
 pub(crate) fn out_of_bounds(
     code: ErrorCode,

@@ -1,6 +1,6 @@
 //! The certificate of a motion: its free clearance, and how short a motion that keeps it can be.
 
-use super::disc::Disc;
+use super::disc::disc_of;
 use super::planner::Planner;
 use super::{Errand, PRECISION, RobotMotion};
 use crate::budget::{Budget, Spent};
@@ -37,8 +37,7 @@ pub fn certify(
     if radius <= 0.0 {
         return Ok(());
     }
-    let ends = [errand.start.position, errand.goal.position];
-    let disc = Disc::new(radius, ends, (errand.walls, errand.floor.rounding()), budget)?;
+    let disc = disc_of(errand, radius, budget)?;
     let radius_at = |_: u32, point: &_| disc.radius_at(point);
     let path = planner.taut.find(errand.floor, &disc, radius_at, true, budget);
     match path {

@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::Errand;
 use crate::budget::{Budget, Spent};
 use crate::free_space::walls::{Wall, Walls};
-use crate::geometry::distance::{cross, distance_segment_segment};
-use crate::geometry::{Vector, unit};
+use crate::geometry::distance::{cross, distance_point_segment, distance_segment_segment};
+use crate::geometry::{Vector, unit, unrotated};
 
 /// Steps of the budget that a wall near a line, or near an arc, takes.
 const STEPS_PER_WALL: u64 = 10;
@@ -36,15 +37,13 @@ impl<'a> Disc<'a> {
         (walls, rounding): (&'a Walls<2>, f64),
         budget: &Budget<'_>,
     ) -> Result<Self, Spent> {
-        let mut disc = Self { radius, start, goal, walls, rounding, is_docked: false };
         let mut is_docked = false;
         for end in [&start, &goal] {
             walls.near(end, end, radius, budget, |_, wall| {
                 is_docked |= distance_to(wall, end) < radius;
             })?;
         }
-        disc.is_docked = is_docked;
-        Ok(disc)
+        Ok(Self { radius, start, goal, walls, rounding, is_docked })
     }
 
     /// What its centre keeps from the end of a wall, metres.
@@ -146,6 +145,17 @@ impl<'a> Disc<'a> {
     }
 }
 
+/// The disc of this radius on a robot's errand.
+pub(super) fn disc_of<'a>(
+    errand: &Errand<'a>,
+    radius: f64,
+    budget: &Budget<'_>,
+) -> Result<Disc<'a>, Spent> {
+    let Errand { start, goal, walls, floor, .. } = errand;
+    let ends = [start.position, goal.position];
+    Disc::new(radius, ends, (walls, floor.rounding()), budget)
+}
+
 /// A part of a circle, counter-clockwise, less than half a turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FreeArc {
@@ -207,16 +217,12 @@ fn borders(
 
 /// The distance of a point from a wall, metres.
 pub(super) fn distance_to(wall: &Wall<2>, point: &Vector<2>) -> f64 {
-    let way = wall.to - wall.from;
-    let square = way.norm_squared();
-    let apart = point - wall.from;
-    let part = if square > 0.0 { (apart.dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 };
-    if part == 1.0 { (point - wall.to).norm() } else { (apart - way * part).norm() }
+    distance_point_segment(point, (&wall.from, &wall.to))
 }
 
 /// The angle from one direction to another in a sense (1: left, -1: right), in (-pi, pi].
 pub(super) fn turned(from: &Vector<2>, to: &Vector<2>, sense: f64) -> f64 {
-    let turned = crate::geometry::unrotated(to, from);
+    let turned = unrotated(to, from);
     let angle = sense * libm::atan2(turned.y, turned.x);
     if angle <= -PI { PI } else { angle }
 }

@@ -5,13 +5,13 @@
 //! lines before and after it, the largest that keeps the disc's distance, if the path gets longer
 //! by no more than a small part.
 
-use super::disc::Disc;
+use super::disc::{Disc, turned};
 use super::taut::{TautPath, TautTurn};
 use crate::budget::{Budget, Spent};
 use crate::driving::tangent::{Circle, Tangent};
 use crate::free_space::floor::NONE;
+use crate::geometry::Vector;
 use crate::geometry::distance::cross;
-use crate::geometry::{Vector, unrotated};
 
 /// A path may get longer by this part of its length.
 const MOST_LONGER: f64 = 5e-4;
@@ -121,8 +121,7 @@ fn fuse(
     let arrival = &first.arrival;
     let leaving = path.turns.get(run.end).map_or(&path.last, |next| &next.arrival);
     let sense = first.circle.signed_radius.signum();
-    let turned = unrotated(&leaving.direction, &arrival.direction);
-    let sweep = sense * libm::atan2(turned.y, turned.x);
+    let sweep = turned(&arrival.direction, &leaving.direction, sense);
     // The lines before and after meet where the path would turn at a point.
     let determinant = cross(&arrival.direction, &leaving.direction);
     if sweep <= 1e-6 || sense * determinant <= 1e-9 {

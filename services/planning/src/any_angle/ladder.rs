@@ -2,7 +2,7 @@
 
 use std::mem;
 
-use super::disc::Disc;
+use super::disc::{Disc, disc_of};
 use super::lattice;
 use super::legs::legs_of;
 use super::measure::{Contact, cost, measure};
@@ -10,6 +10,7 @@ use super::planner::Planner;
 use super::taut::TautPath;
 use super::{Abilities, Errand, NoMotion, PRECISION, RobotMotion, backwards, bound, fuse, refusal};
 use crate::budget::{Budget, Spent};
+use crate::geometry::Vector;
 use crate::motion::{Curve, Leg, Rung};
 
 /// Radii tried between that of the taut path and that at which the robot can turn anywhere.
@@ -44,7 +45,8 @@ pub(super) fn shortest(
             best.offer(errand, found);
             // What is taut and forwards is only beaten by less turning.
             if is_taut && !errand.abilities.reverse {
-                return best.take(found);
+                best.take(found);
+                return Ok(());
             }
             None
         }
@@ -78,7 +80,10 @@ pub(super) fn shortest(
                 && would_reverse_help(errand, target, planner, found, budget)?;
             Err(NoMotion::Blocked { wall, turning, reverse_helps })
         }
-        _ => best.take(found),
+        _ => {
+            best.take(found);
+            Ok(())
+        }
     }
 }
 
@@ -114,12 +119,11 @@ impl Best {
         }
     }
 
-    fn take(self, found: &mut RobotMotion) -> Result<(), NoMotion> {
+    fn take(self, found: &mut RobotMotion) {
         if let Some(motion) = self.motion {
             *found = motion;
             found.is_complete = !self.is_cut_short;
         }
-        Ok(())
     }
 }
 
@@ -186,10 +190,11 @@ fn one_way(
     found.gap = target.gap;
     let radius = errand.footprint.width() / 2.0 + target.gap;
     planner.radii.clear();
-    let Some(path) = taut_path(errand, radius, planner, budget)? else {
+    let disc = disc_of(errand, radius, budget)?;
+    let Some(path) = taut_path(errand, &disc, planner, budget)? else {
         return Err(refusal::no_way(errand, radius, planner, budget)?);
     };
-    if let Some(path) = fused(errand, &path, radius, budget)?
+    if let Some(path) = fuse::fused(&path, &disc, budget)?
         && fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?.is_empty()
     {
         return Ok(true);
@@ -197,48 +202,27 @@ fn one_way(
     let contacts = fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?;
     let Some(first) = contacts.first().copied() else { return Ok(true) };
     let blocked = refusal::blocked(errand, found, &first);
-    if wider(errand, target, (path, contacts), planner, found, budget)? {
+    if wider(errand, target, (&disc, path, contacts), planner, found, budget)? {
         return Ok(false);
     }
     Err(blocked)
 }
 
-/// The path with runs of small turns replaced by single arcs; `None` if there are none.
-fn fused(
-    errand: &Errand<'_>,
-    path: &TautPath,
-    radius: f64,
-    budget: &Budget<'_>,
-) -> Result<Option<TautPath>, Spent> {
-    let Errand { start, goal, walls, floor, .. } = errand;
-    let ends = [start.position, goal.position];
-    let disc = Disc::new(radius, ends, (walls, floor.rounding()), budget)?;
-    fuse::fused(path, &disc, budget)
-}
-
 /// The taut path of a disc, with larger radii at some corners.
 fn taut_path(
     errand: &Errand<'_>,
-    radius: f64,
+    disc: &Disc<'_>,
     planner: &mut Planner,
     budget: &Budget<'_>,
 ) -> Result<Option<TautPath>, Spent> {
-    let Errand { start, goal, walls, floor, abilities, .. } = errand;
-    let ends = [start.position, goal.position];
-    let disc = Disc::new(radius, ends, (walls, floor.rounding()), budget)?;
     let Planner { taut, radii, .. } = planner;
     let own = |vertex: u32| radii.iter().find(|(other, _)| *other == vertex).map(|(_, own)| *own);
-    let least = abilities.min_turn_radius;
-    taut.find(
-        floor,
-        &disc,
-        |vertex, point| {
-            let radius = disc.radius_at(point).max(least);
-            own(vertex).map_or(radius, |own| own.max(radius))
-        },
-        radii.is_empty(),
-        budget,
-    )
+    let least = errand.abilities.min_turn_radius;
+    let radius_at = |vertex: u32, point: &Vector<2>| {
+        let radius = disc.radius_at(point).max(least);
+        own(vertex).map_or(radius, |own| own.max(radius))
+    };
+    taut.find(errand.floor, disc, radius_at, radii.is_empty(), budget)
 }
 
 /// The legs on which a motion does not keep what is asked for; none if it does.
@@ -274,12 +258,12 @@ fn fits(
 fn wider(
     errand: &Errand<'_>,
     target: Target,
-    (mut path, mut contacts): (TautPath, Vec<Contact>),
+    (disc, mut path, mut contacts): (&Disc<'_>, TautPath, Vec<Contact>),
     planner: &mut Planner,
     found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<bool, Spent> {
-    let least = errand.footprint.width() / 2.0 + target.gap;
+    let least = disc.radius;
     // Where the turning circle has this room, the robot keeps its gap in any heading.
     let most = errand.footprint.swing_radius() + target.gap;
     let step = (most - least) / RADII as f64;
@@ -309,7 +293,7 @@ fn wider(
         if !changed {
             break;
         }
-        let Some(next) = taut_path(errand, least, planner, budget)? else { break };
+        let Some(next) = taut_path(errand, disc, planner, budget)? else { break };
         path = next;
         contacts = fits(errand, target, legs_of(errand, &path, Rung::Radius), found, budget)?;
         if contacts.is_empty() {
@@ -319,9 +303,9 @@ fn wider(
     planner.radii.clear();
     // And everywhere.
     for level in 1..=RADII {
-        let radius = least + step * level as f64;
-        let Some(path) = taut_path(errand, radius, planner, budget)? else { break };
-        let path = fused(errand, &path, radius, budget)?.unwrap_or(path);
+        let disc = disc_of(errand, least + step * level as f64, budget)?;
+        let Some(path) = taut_path(errand, &disc, planner, budget)? else { break };
+        let path = fuse::fused(&path, &disc, budget)?.unwrap_or(path);
         let legs = legs_of(errand, &path, Rung::Radius);
         if fits(errand, target, legs, found, budget)?.is_empty() {
             return Ok(true);

@@ -1,8 +1,9 @@
 //! What a motion measures: length, clearance, and whether it touches a wall.
 
-use super::{CONTACT, Errand, RobotMotion};
+use super::{Errand, RobotMotion};
 use crate::budget::{Budget, Spent};
-use crate::clearance::rectangle::{self, Met};
+use crate::clearance::rectangle::{Met, nearest_along};
+use crate::driving::CONTACT;
 use crate::geometry::Vector;
 use crate::motion::{Curve, Leg};
 
@@ -22,26 +23,20 @@ pub(super) fn measure(
     found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<Vec<Contact>, Spent> {
-    found.legs = legs;
-    found.leg_clearances.clear();
-    let footprint = &errand.footprint;
-    let mut whole = Met::NOTHING;
-    let mut travelled = 0.0;
-    let mut guess = footprint.width().max(footprint.length());
-    let mut contacts = Vec::new();
-    for (index, leg) in found.legs.iter().enumerate() {
-        let met = rectangle::nearest(footprint, &leg.curve, errand.walls, guess, budget)?;
+    let RobotMotion { leg_clearances, .. } = found;
+    leg_clearances.clear();
+    let (mut whole, mut contacts) = (Met::NOTHING, Vec::new());
+    nearest_along(&errand.footprint, &legs, errand.walls, budget, |leg, met, at| {
         if met.value <= CONTACT {
-            contacts.push(Contact { leg: index, wall: Some(met.wall) });
+            contacts.push(Contact { leg, wall: Some(met.wall) });
         }
-        let length = leg.curve.length();
-        whole.offer(met.value, travelled + met.along * length, met.wall);
-        found.leg_clearances.push(met.value);
-        travelled += length;
-        guess = rectangle::next_guess(&met, guess);
-    }
-    found.length = travelled;
+        whole.offer(met.value, at, met.wall);
+        leg_clearances.push(met.value);
+        Ok::<_, Spent>(())
+    })?;
+    found.length = legs.iter().map(|leg| leg.curve.length()).sum();
     found.clearance = whole.clearance();
+    found.legs = legs;
     Ok(contacts)
 }
 

@@ -15,7 +15,8 @@ pub struct Planner {
 impl Planner {
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
-        self.taut.bytes() + self.lattice.bytes()
+        let radii = self.radii.capacity() * size_of::<(u32, f64)>();
+        self.taut.bytes() + self.lattice.bytes() + radii
     }
 
     /// To be called before it is used with another floor.

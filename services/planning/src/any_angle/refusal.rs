@@ -1,15 +1,14 @@
 //! Why there is no motion: the narrowest place of the widest way.
 
-use super::disc::{Disc, distance_to};
+use super::disc::{disc_of, distance_to};
 use super::measure::Contact;
 use super::planner::Planner;
 use super::taut::TautPath;
 use super::{Errand, NoMotion, RobotMotion};
 use crate::budget::{Budget, Held, Spent};
-use crate::free_space::walls::Wall;
 use crate::geometry::Vector;
 use crate::geometry::box_tree::BoxTree;
-use crate::geometry::distance::{Closest, cross, distance_segment_segment};
+use crate::geometry::distance::{cross, distance_segment_segment, nearest_on_segment};
 use crate::motion::Curve;
 
 /// Widths are found to this part of the least that will not do.
@@ -31,17 +30,9 @@ pub(super) fn no_way(
         return enclosed(errand, budget);
     };
     let across = narrowest(errand, &path, widest, budget)?;
-    Ok(match across {
-        Some(across) => {
-            let has = (across[1] - across[0]).norm();
-            NoMotion::TooNarrow { across, has, needs: 2.0 * radius }
-        }
-        None => {
-            let has = 2.0 * widest;
-            let across = [errand.start.position; 2];
-            NoMotion::TooNarrow { across, has, needs: 2.0 * radius }
-        }
-    })
+    let has = across.map_or(2.0 * widest, |[one, other]| (other - one).norm());
+    let across = across.unwrap_or([errand.start.position; 2]);
+    Ok(NoMotion::TooNarrow { across, has, needs: 2.0 * radius })
 }
 
 /// The radius of the widest disc that passes, less than `radius`, and its path; `None` if not
@@ -52,11 +43,9 @@ pub(super) fn widest(
     planner: &mut Planner,
     budget: &Budget<'_>,
 ) -> Result<Option<(f64, TautPath)>, Spent> {
-    let Errand { start, goal, walls, floor, .. } = errand;
-    let ends = [start.position, goal.position];
     let mut path_of = |radius: f64| {
-        let disc = Disc::new(radius, ends, (walls, floor.rounding()), budget)?;
-        planner.taut.find(floor, &disc, |_, point| disc.radius_at(point), true, budget)
+        let disc = disc_of(errand, radius, budget)?;
+        planner.taut.find(errand.floor, &disc, |_, point| disc.radius_at(point), true, budget)
     };
     let mut low = radius * PRECISION;
     let Some(mut path) = path_of(low)? else { return Ok(None) };
@@ -100,7 +89,7 @@ fn narrowest(
         walls.near(&corner, &corner, 2.0 * reach, budget, |_, wall| {
             let apart = distance_to(wall, &corner);
             if wall.from != corner && wall.to != corner && apart <= 2.0 * reach {
-                offer(corner, nearest_point(wall, &corner));
+                offer(corner, nearest_on_segment(&corner, (&wall.from, &wall.to)));
             }
         })?;
     }
@@ -130,14 +119,6 @@ fn narrowest(
 /// So many walls that a line touches are looked at.
 const MOST_TOUCHED: usize = 64;
 
-fn nearest_point(wall: &Wall<2>, point: &Vector<2>) -> Vector<2> {
-    let way = wall.to - wall.from;
-    let square = way.norm_squared();
-    let part =
-        if square > 0.0 { ((point - wall.from).dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 };
-    wall.from + way * part
-}
-
 /// Walls are between the start and the goal: where they are thinnest.
 fn enclosed(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<NoMotion, Spent> {
     let Errand { floor, start, goal, .. } = errand;
@@ -154,21 +135,21 @@ fn enclosed(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<NoMotion, Spent>
         (from.inf(&to), from.sup(&to))
     };
     tree.build(edges.len(), bounds, budget)?;
-    let mut thinnest = Closest { distance: f64::INFINITY, at: 0.0, point: start.position };
+    let mut thickness = f64::INFINITY;
     let mut across = [start.position, goal.position];
     for edge in &to.border {
         let [one, other] = ends(edge);
-        tree.visit(&one.inf(&other), &one.sup(&other), thinnest.distance, budget, |index| {
+        tree.visit(&one.inf(&other), &one.sup(&other), thickness, budget, |index| {
             let [from, to] = ends(&edges[index]);
             let near = distance_segment_segment((&one, &other), (&from, &to));
-            if near.distance < thinnest.distance {
-                thinnest = near;
+            if near.distance < thickness {
+                thickness = near.distance;
                 across = [near.point, one + (other - one) * near.at];
             }
-            thinnest.distance
+            thickness
         })?;
     }
-    Ok(NoMotion::Enclosed { at_goal, across, thickness: thinnest.distance })
+    Ok(NoMotion::Enclosed { at_goal, across, thickness })
 }
 
 /// A disc can pass, and the robot can't.

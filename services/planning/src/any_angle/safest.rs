@@ -1,7 +1,5 @@
 //! The motion with the greatest free clearance.
 
-use std::mem;
-
 use super::ladder::{Target, shortest};
 use super::measure::cost;
 use super::planner::Planner;
@@ -35,7 +33,7 @@ pub(super) fn safest(
         return Err(refusal::no_way(errand, half, planner, budget)?);
     }
     let mut search =
-        SafestSearch { errand, planner, best: None, refused: None, blocked_gap: 0.0, budget };
+        SafestSearch { errand, planner, best: None, refused: None, blocked_gap: None, budget };
     let (mut low, mut high) = (0.0, widest - half);
     if !search.try_target(at_least(high))? {
         for step in 1..GAPS {
@@ -44,8 +42,8 @@ pub(super) fn safest(
         }
         search.refine(high / GAPS as f64, high)?;
         // Where a gap leads nowhere else, poses are searched, whatever the gap.
-        if search.blocked_gap > 0.0 {
-            search.try_target(Target { searches_poses: true, ..with_gap(search.blocked_gap) })?;
+        if let Some(gap) = search.blocked_gap {
+            search.try_target(Target { searches_poses: true, ..with_gap(gap) })?;
         }
         low = search.best_clearance().max(low);
         while high - low > PRECISION {
@@ -70,8 +68,8 @@ pub(super) fn safest(
         least /= 4.0;
     }
     match search.best {
-        Some((_, _, motion)) => {
-            *found = motion;
+        Some(best) => {
+            *found = best.motion;
             Ok(())
         }
         None => match search.refused {
@@ -89,71 +87,81 @@ fn with_gap(gap: f64) -> Target {
     Target { gap, least: None, searches_poses: false }
 }
 
+/// A motion that was found.
+struct Contender {
+    /// Its free clearance, metres.
+    clearance: f64,
+    cost: f64,
+    motion: RobotMotion,
+}
+
 struct SafestSearch<'a, 'b> {
     errand: &'a Errand<'a>,
     planner: &'a mut Planner,
-    /// Its free clearance and cost.
-    best: Option<(f64, f64, RobotMotion)>,
+    best: Option<Contender>,
     refused: Option<NoMotion>,
     /// A gap with which the robot was blocked, metres.
-    blocked_gap: f64,
+    blocked_gap: Option<f64>,
     budget: &'a Budget<'b>,
 }
 
 impl SafestSearch<'_, '_> {
     fn best_clearance(&self) -> f64 {
-        self.best.as_ref().map_or(0.0, |(clearance, _, _)| *clearance)
+        self.best.as_ref().map_or(0.0, |best| best.clearance)
     }
 
     /// Whether there is such a motion; the best is kept.
     fn try_target(&mut self, target: Target) -> Result<bool, NoMotion> {
-        let mut found = RobotMotion::default();
-        match shortest(self.errand, target, self.planner, &mut found, self.budget) {
-            Ok(()) => {}
-            Err(NoMotion::Spent(Spent::Limit { .. })) if self.best.is_some() => {
-                if let Some((_, _, motion)) = &mut self.best {
-                    motion.is_complete = false;
-                }
-                return Ok(false);
-            }
-            Err(NoMotion::Spent(spent)) => return Err(spent.into()),
-            Err(refused) => {
-                if matches!(refused, NoMotion::Blocked { .. }) && target.least.is_none() {
-                    self.blocked_gap = target.gap;
-                    self.refused = Some(refused);
-                } else {
-                    self.refused.get_or_insert(refused);
-                }
-                return Ok(false);
-            }
-        }
-        bound::measure_free_clearance(self.errand, &mut found, self.budget)?;
-        let (clearance, cost) = (found.free_clearance, cost(self.errand, &found.legs));
-        let is_better = self.best.as_ref().is_none_or(|(most, least, _)| {
-            clearance > most + PRECISION || (clearance >= most - PRECISION && cost < *least)
+        let Some(found) = self.find(target)? else { return Ok(false) };
+        let is_better = self.best.as_ref().is_none_or(|best| {
+            found.clearance > best.clearance + PRECISION
+                || (found.clearance >= best.clearance - PRECISION && found.cost < best.cost)
         });
         if is_better {
-            self.best = Some((clearance, cost, found));
+            self.best = Some(found);
         }
         Ok(true)
     }
 
+    /// The motion that keeps this, if there is one.
+    fn find(&mut self, target: Target) -> Result<Option<Contender>, NoMotion> {
+        let mut motion = RobotMotion::default();
+        match shortest(self.errand, target, self.planner, &mut motion, self.budget) {
+            Ok(()) => {}
+            Err(NoMotion::Spent(Spent::Limit { .. })) if self.best.is_some() => {
+                if let Some(best) = &mut self.best {
+                    best.motion.is_complete = false;
+                }
+                return Ok(None);
+            }
+            Err(NoMotion::Spent(spent)) => return Err(spent.into()),
+            Err(refused) => {
+                if matches!(refused, NoMotion::Blocked { .. }) && target.least.is_none() {
+                    self.blocked_gap = Some(target.gap);
+                    self.refused = Some(refused);
+                } else {
+                    self.refused.get_or_insert(refused);
+                }
+                return Ok(None);
+            }
+        }
+        bound::measure_free_clearance(self.errand, &mut motion, self.budget)?;
+        let (clearance, cost) = (motion.free_clearance, cost(self.errand, &motion.legs));
+        Ok(Some(Contender { clearance, cost, motion }))
+    }
+
     /// Looks between the neighbours of the best gap, by golden sections.
     fn refine(&mut self, step: f64, most: f64) -> Result<(), NoMotion> {
-        let Some(gap) = self.best.as_ref().map(|(_, _, motion)| motion.gap) else {
+        let Some(gap) = self.best.as_ref().map(|best| best.motion.gap) else {
             return Ok(());
         };
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let (mut low, mut high) = ((gap - step).max(0.0), (gap + step).min(most));
         let clearance_at = |search: &mut Self, gap: f64| -> Result<f64, NoMotion> {
-            let before = search.best.take();
-            let there = search.try_target(with_gap(gap))?;
-            let clearance = if there { search.best_clearance() } else { 0.0 };
-            let after = mem::replace(&mut search.best, before);
-            if let Some((clearance, cost, motion)) = after
-                && search.best_clearance() < clearance
-            {
-                search.best = Some((clearance, cost, motion));
+            let Some(found) = search.find(with_gap(gap))? else { return Ok(0.0) };
+            let clearance = found.clearance;
+            if search.best_clearance() < clearance {
+                search.best = Some(found);
             }
             Ok(clearance)
         };

@@ -10,11 +10,11 @@
 //! and the line of centres, which therefore crosses no wall. What is seen is found junction by
 //! junction with exact predicates; each tangent and arc is then checked against all walls near it.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::arc_memo::{ArcMemo, CornerArcs};
 use super::disc::{Disc, distance_to, turned};
+use super::queue::Queued;
 use super::sight::{Sight, way_through};
 use crate::budget::{Budget, Cap, Held, Spent};
 use crate::driving::tangent::{Circle, Tangent, tangent};
@@ -84,38 +84,10 @@ enum Step {
     Finish { line: Tangent, sweep: f64 },
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Queued {
-    /// No path that goes on from here is shorter, metres.
-    least: f64,
-    /// Index of its step; ties are taken in this order.
-    step: u32,
-}
-
-impl PartialEq for Queued {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Queued {}
-
-impl PartialOrd for Queued {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Queued {
-    /// The least first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.least.total_cmp(&self.least).then(other.step.cmp(&self.step))
-    }
-}
-
 /// A search in memory that is used again.
 #[derive(Debug, Default)]
 pub(super) struct TautSearch {
+    /// Indices of steps, by the least length of a path that goes on from there.
     heap: BinaryHeap<Queued>,
     /// Each with its root.
     steps: Vec<(u32, Step)>,
@@ -242,9 +214,9 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
                 self.offer_sight(0, sight);
             }
         }
-        while let Some(entry) = self.search.heap.pop() {
+        while let Some(next) = self.search.heap.pop() {
             budget.step(STEPS_PER_SIGHT)?;
-            let (root, step) = self.search.steps[entry.step as usize];
+            let (root, step) = self.search.steps[next.index];
             match step {
                 Step::Look(sight) => self.look(root, sight)?,
                 Step::Turn { vertex, circle, line, sweep, end } => {
@@ -540,9 +512,9 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
     }
 
     fn push(&mut self, least: f64, root: u32, step: Step) {
-        let index = self.search.steps.len() as u32;
+        let index = self.search.steps.len();
         self.search.steps.push((root, step));
-        self.search.heap.push(Queued { least, step: index });
+        self.search.heap.push(Queued { least, index });
     }
 
     /// The sweep about a root before a line; `None` if it can't be left in that direction.

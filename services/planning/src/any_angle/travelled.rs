@@ -1,7 +1,9 @@
 //! Which channels a motion travels.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use crate::budget::{Budget, Spent};
-use crate::geometry::{AxisBox, Vector};
+use crate::geometry::{AxisBox, Vector, unit};
 use crate::motion::{Curve, Leg};
 
 /// Steps of the budget that following a leg in a channel takes.
@@ -10,15 +12,16 @@ const STEPS_PER_LEG: u64 = 4;
 /// A place on a motion: a leg, and which part of it has been travelled.
 type PathPlace = (usize, f64);
 
-/// The indices of channels in the order in which the reference point travels them, as few as
-/// lead on farthest each. `rounding`: how far outside of a channel counts as inside, metres.
+/// Puts into `route` the indices of channels in the order in which the reference point travels
+/// them, as few as lead on farthest each. `rounding`: how far outside of a channel counts as inside, metres.
 pub fn channels_travelled(
     legs: &[Leg<2>],
     channels: &[AxisBox<2>],
     rounding: f64,
+    route: &mut Vec<usize>,
     budget: &Budget<'_>,
-) -> Result<Vec<usize>, Spent> {
-    let mut route: Vec<usize> = Vec::new();
+) -> Result<(), Spent> {
+    route.clear();
     let mut at: PathPlace = (0, 0.0);
     while at.0 < legs.len() {
         let mut best: Option<(PathPlace, usize)> = None;
@@ -39,7 +42,7 @@ pub fn channels_travelled(
         let first = here.and_then(|here| channels.iter().position(|channel| channel.holds(&here)));
         route.extend(first);
     }
-    Ok(route)
+    Ok(())
 }
 
 /// How far a motion stays in a channel from a place on.
@@ -91,8 +94,7 @@ fn stays_until(curve: &Curve<2>, from: f64, channel: &AxisBox<2>, rounding: f64)
             leaves.max(from)
         }
         Curve::Arc { center, radius, start_angle, sweep, .. } => {
-            let at =
-                |part: f64| center + crate::geometry::unit(start_angle + part * sweep) * radius;
+            let at = |part: f64| center + unit(start_angle + part * sweep) * radius;
             if !is_inside(&at(from)) {
                 return from;
             }
@@ -103,13 +105,12 @@ fn stays_until(curve: &Curve<2>, from: f64, channel: &AxisBox<2>, rounding: f64)
                     if cosine.abs() > 1.0 {
                         continue;
                     }
-                    let (middle, half) = match axis {
-                        0 => (0.0, libm::acos(cosine)),
-                        _ => (std::f64::consts::FRAC_PI_2, libm::acos(cosine)),
-                    };
+                    // Seen from +x, or from +y.
+                    let middle = if axis == 0 { 0.0 } else { FRAC_PI_2 };
+                    let half = libm::acos(cosine);
                     for angle in [middle - half, middle + half] {
-                        let turn = (angle - start_angle) * sweep.signum() / std::f64::consts::TAU;
-                        let part = (turn - turn.floor()) * std::f64::consts::TAU / sweep.abs();
+                        let turn = (angle - start_angle) * sweep.signum() / TAU;
+                        let part = (turn - turn.floor()) * TAU / sweep.abs();
                         // Just beyond, it is outside, or it only touches.
                         let beyond = at((part + 1e-9).min(1.0));
                         if part > from && part < leaves && !is_inside(&beyond) {

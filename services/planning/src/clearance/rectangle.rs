@@ -12,7 +12,7 @@ use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
-use crate::motion::Curve;
+use crate::motion::{Curve, Leg};
 
 pub use free::{BINDING_TOLERANCE, FREE_TURNING_WHILE_MOVING_BOUND, free_clearance};
 
@@ -248,9 +248,28 @@ pub fn clearance_rectangle_curve(
     Ok(met.clearance())
 }
 
-/// How far to look for walls at first on the next leg, metres: it begins where this one ends.
-pub(crate) fn next_guess(met: &Met, guess: f64) -> f64 {
-    if met.value.is_finite() { 1.5 * met.value + 0.01 } else { guess }
+/// The least distance over each leg in turn: calls `each` with the leg's index, with what it
+/// meets, and with the arc length at which it does, from the start of the first leg.
+pub(crate) fn nearest_along<E: From<Spent>>(
+    footprint: &Footprint,
+    legs: &[Leg<2>],
+    walls: &Walls<2>,
+    budget: &Budget<'_>,
+    mut each: impl FnMut(usize, &Met, f64) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut travelled = 0.0;
+    let mut guess = footprint.width().max(footprint.length());
+    for (index, leg) in legs.iter().enumerate() {
+        let met = nearest(footprint, &leg.curve, walls, guess, budget)?;
+        let length = leg.curve.length();
+        each(index, &met, travelled + met.along * length)?;
+        travelled += length;
+        // The next leg begins where this one ends.
+        if met.value.is_finite() {
+            guess = 1.5 * met.value + 0.01;
+        }
+    }
+    Ok(())
 }
 
 /// The least distance over one curve, with `along` as a part of it. `guess` is how far to

@@ -2,75 +2,90 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::tangent::Tangent;
-use super::taut::{Knot, ROUNDED};
-use super::{Drive, SAME_HEADING, StartTurn, shortest_turn};
+use super::tangent::{Circle, Tangent};
+use super::taut::ROUNDED;
+use super::{Goal, Pose, SAME_HEADING, StartTurn, shortest_turn};
 use crate::geometry::{Sign, Vector};
-use crate::motion::{Curve, Leg, wrapped};
+use crate::motion::{Curve, Leg, Rule, Rung, wrapped};
 
 /// Lines up to this length are left out, metres: the arcs beside them touch.
-const NO_LINE: f64 = 1e-12;
+pub(crate) const NO_LINE: f64 = 1e-12;
 
-/// Writes the legs of the path that turns about `knots` and ends with `last`.
-pub(super) fn write(drive: &Drive<'_>, knots: &[Knot], last: &Tangent, legs: &mut Vec<Leg<2>>) {
-    let mut heading = wrapped(drive.start.heading);
-    let mut turns_about: Option<&Knot> = None;
-    let lines = knots.iter().map(|knot| (&knot.arrival, Some(knot))).chain([(last, None)]);
-    for (line, knot) in lines {
+/// A circle that the path runs around.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rounding {
+    pub(crate) circle: Circle,
+    /// The angle run around it, radians; `None`: from the line before it to the line after.
+    pub(crate) sweep: Option<f64>,
+    /// The junction that it belongs to.
+    pub(crate) junction: usize,
+    /// The rule for the turn.
+    pub(crate) rule: Option<Rule>,
+}
+
+/// Appends the legs along lines, each with the circle that the path runs around after it.
+pub(crate) fn write<'a>(
+    (start, start_turn, goal): (&Pose, StartTurn, &Goal),
+    lines: impl Iterator<Item = (&'a Tangent, Option<Rounding>)>,
+    rung: Option<Rung>,
+    legs: &mut Vec<Leg<2>>,
+) {
+    let leg = |curve, junction: Option<&Rounding>| Leg {
+        curve,
+        junction: junction.map(|circle| circle.junction),
+        rule: junction.and_then(|circle| circle.rule),
+        rung,
+    };
+    let mut heading = wrapped(start.heading);
+    let mut turns_about: Option<Rounding> = None;
+    for (line, circle) in lines {
         let next = libm::atan2(line.direction.y, line.direction.x);
         let has_line = line.length > NO_LINE;
         let mut turned = 0.0;
-        if let Some(knot) = turns_about {
-            legs.push(arc(drive, knot, heading, next));
+        if let Some(circle) = turns_about {
+            if circle.sweep != Some(0.0) {
+                legs.push(leg(arc(&circle, heading, next), Some(&circle)));
+            }
         } else {
             let turn = shortest_turn(heading, next);
             if turn.abs() > SAME_HEADING {
-                if has_line && drive.start_turn == StartTurn::WhileMoving {
+                if has_line && start_turn == StartTurn::WhileMoving {
                     turned = turn;
                 } else {
-                    legs.push(turn_in_place(&drive.start.position, heading, turn));
+                    legs.push(leg(turn_in_place(start.position, heading, turn), None));
                 }
             }
         }
         if has_line {
-            legs.push(Leg {
-                curve: Curve::Line { from: line.from, to: line.to, heading: next, turned },
-                junction: knot.map(|knot| knot.corner),
-                rule: knot.map(|knot| drive.corners[knot.corner].rule.name()),
-                rung: None,
-            });
+            let curve = Curve::Line { from: line.from, to: line.to, heading: next, turned };
+            legs.push(leg(curve, circle.as_ref()));
         }
         heading = next;
-        turns_about = knot;
+        turns_about = circle;
     }
-    if let Some(goal) = drive.goal.heading {
-        let turn = shortest_turn(heading, wrapped(goal));
+    if let Some(to) = goal.heading {
+        let turn = shortest_turn(heading, wrapped(to));
         if turn.abs() > SAME_HEADING {
-            legs.push(turn_in_place(&drive.goal.position, heading, turn));
+            legs.push(leg(turn_in_place(goal.position, heading, turn), None));
         }
     }
     if legs.is_empty() {
-        legs.push(turn_in_place(&drive.start.position, heading, 0.0));
+        legs.push(leg(turn_in_place(start.position, heading, 0.0), None));
     }
 }
 
-/// The arc about a knot that turns from one tangent heading to the next.
-fn arc(drive: &Drive<'_>, knot: &Knot, from: f64, to: f64) -> Leg<2> {
-    let rule = drive.corners[knot.corner].rule;
-    let sense = rule.turn.factor();
-    let sweep = forwards(rule.turn, from, to);
-    Leg {
-        curve: Curve::Arc {
-            center: knot.circle.center,
-            radius: knot.circle.signed_radius.abs(),
-            // The centre is a quarter turn to the side of the turn.
-            start_angle: wrapped(from - sense * FRAC_PI_2),
-            sweep: sense * sweep,
-            reverse: false,
-        },
-        junction: Some(knot.corner),
-        rule: Some(rule.name()),
-        rung: None,
+/// The arc about a circle that turns from one tangent heading to the next.
+fn arc(about: &Rounding, from: f64, to: f64) -> Curve<2> {
+    let Rounding { circle: Circle { center, signed_radius }, sweep, .. } = *about;
+    let turn = Sign::of(signed_radius);
+    let sense = turn.factor();
+    Curve::Arc {
+        center,
+        radius: signed_radius.abs(),
+        // The centre is a quarter turn to the side of the turn.
+        start_angle: wrapped(from - sense * FRAC_PI_2),
+        sweep: sense * sweep.unwrap_or_else(|| forwards(turn, from, to)),
+        reverse: false,
     }
 }
 
@@ -82,11 +97,6 @@ fn forwards(turn: Sign, from: f64, to: f64) -> f64 {
     if angle > TAU - ROUNDED { 0.0 } else { angle.max(0.0) }
 }
 
-fn turn_in_place(position: &Vector<2>, from_heading: f64, sweep: f64) -> Leg<2> {
-    Leg {
-        curve: Curve::Turn { position: *position, from_heading, sweep },
-        junction: None,
-        rule: None,
-        rung: None,
-    }
+fn turn_in_place(position: Vector<2>, from_heading: f64, sweep: f64) -> Curve<2> {
+    Curve::Turn { position, from_heading, sweep }
 }

@@ -2,6 +2,7 @@
 
 use crate::budget::{Budget, Spent};
 use crate::geometry::box_tree::{BoxTree, distance_squared_box_box};
+use crate::geometry::distance::distance_point_segment;
 use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{AxisBox, Sign, Vector};
 
@@ -234,32 +235,6 @@ impl<const D: usize> Walls<D> {
         Ok(None)
     }
 
-    /// Which solid has `point` inside, counted in the order of addition, and how far its nearest
-    /// wall is, metres.
-    pub fn depth_in_solid(
-        &self,
-        point: &Vector<D>,
-        budget: &Budget<'_>,
-    ) -> Result<Option<(usize, f64)>, Spent> {
-        let Some(first) = self.solid_around(point, budget)? else { return Ok(None) };
-        let Some(index) = self.solids.iter().position(|solid| solid.walls.0 == first) else {
-            return Ok(None);
-        };
-        let (first, count) = self.solids[index].walls;
-        budget.step(count as u64)?;
-        let distance = |wall: &Wall<D>| {
-            let (low, high) = wall.bounds();
-            if wall.is_axis_parallel() {
-                return distance_squared_box_box((&low, &high), (point, point)).sqrt();
-            }
-            let way = wall.to - wall.from;
-            let part = ((point - wall.from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-            (point - (wall.from + way * part)).norm()
-        };
-        let walls = self.walls[first..first + count].iter();
-        Ok(Some((index, walls.map(distance).fold(f64::INFINITY, f64::min))))
-    }
-
     /// Whether the interior of `space` is free: no wall passes through it, and it is not
     /// inside a solid. It may touch walls, to within rounding (some 1e-14 of the coordinates).
     pub fn is_free(&self, space: &AxisBox<D>, budget: &Budget<'_>) -> Result<bool, Spent> {
@@ -275,6 +250,24 @@ impl<const D: usize> Walls<D> {
 }
 
 impl Walls<2> {
+    /// Which solid has `point` inside, counted in the order of addition, and how far its nearest
+    /// wall is, metres.
+    pub fn depth_in_solid(
+        &self,
+        point: &Vector<2>,
+        budget: &Budget<'_>,
+    ) -> Result<Option<(usize, f64)>, Spent> {
+        let Some(first) = self.solid_around(point, budget)? else { return Ok(None) };
+        let Some(index) = self.solids.iter().position(|solid| solid.walls.0 == first) else {
+            return Ok(None);
+        };
+        let (first, count) = self.solids[index].walls;
+        budget.step(count as u64)?;
+        let walls = self.walls[first..first + count].iter();
+        let distances = walls.map(|wall| distance_point_segment(point, (&wall.from, &wall.to)));
+        Ok(Some((index, distances.fold(f64::INFINITY, f64::min))))
+    }
+
     /// Adds the sides of a box whose inside is free.
     pub fn push_inside(&mut self, bounds: &AxisBox<2>) {
         let (min, max) = (bounds.min(), bounds.max());

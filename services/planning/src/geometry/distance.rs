@@ -119,6 +119,21 @@ pub fn distance_segment_segment(
     nearer(nearer(ends[0], ends[1]), nearer(ends[2], ends[3]))
 }
 
+/// Least distance of a point from the segment from `a` to `b`, metres.
+pub(crate) fn distance_point_segment(point: &Vector<2>, (a, b): (&Vector<2>, &Vector<2>)) -> f64 {
+    let place = nearest_place(point, (a, b));
+    // Not by the point at `place`, whose rounding grows with the coordinates.
+    if place == 1.0 { (point - b).norm() } else { ((point - a) - (b - a) * place).norm() }
+}
+
+/// The point of the segment from `a` to `b` nearest to a point.
+pub(crate) fn nearest_on_segment(
+    point: &Vector<2>,
+    segment: (&Vector<2>, &Vector<2>),
+) -> Vector<2> {
+    point_at(nearest_place(point, segment), segment)
+}
+
 /// The third component of the cross product.
 pub(crate) fn cross(a: &Vector<2>, b: &Vector<2>) -> f64 {
     a[0] * b[1] - a[1] * b[0]

@@ -1,9 +1,9 @@
 //! How far it is to the goal at least: a grid search for the disc inside the footprint.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::probe::Probe;
+use crate::any_angle::queue::Queued;
 use crate::budget::{Budget, Held, Spent};
 use crate::geometry::Vector;
 use crate::geometry::distance::distance_segment_segment;
@@ -71,34 +71,13 @@ pub(super) struct Field {
     reach: f64,
     /// The way from each cell's middle to the goal, metres; infinite where not known.
     to_goal: Vec<f64>,
-    heap: BinaryHeap<OpenCell>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct OpenCell {
-    way: f64,
-    cell: usize,
-}
-
-impl Eq for OpenCell {}
-
-impl Ord for OpenCell {
-    /// The shortest first, the first of equals.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.way.total_cmp(&self.way).then(other.cell.cmp(&self.cell))
-    }
-}
-
-impl PartialOrd for OpenCell {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
+    heap: BinaryHeap<Queued>,
 }
 
 impl Field {
     pub(super) fn bytes(&self) -> usize {
         (self.clear.capacity() + self.to_goal.capacity()) * size_of::<f64>()
-            + self.heap.capacity() * size_of::<OpenCell>()
+            + self.heap.capacity() * size_of::<Queued>()
     }
 
     /// Covers all walls, the start and the goal, and finds the way from everywhere to the goal.
@@ -204,7 +183,7 @@ impl Field {
             }
         }
         let mut most = f64::INFINITY;
-        while let Some(OpenCell { way, cell }) = self.heap.pop() {
+        while let Some(Queued { least: way, index: cell }) = self.heap.pop() {
             if way > self.to_goal[cell] {
                 continue;
             }
@@ -241,7 +220,7 @@ impl Field {
     fn offer(&mut self, way: f64, cell: usize) {
         if way < self.to_goal[cell] {
             self.to_goal[cell] = way;
-            self.heap.push(OpenCell { way, cell });
+            self.heap.push(Queued { least: way, index: cell });
         }
     }
 }

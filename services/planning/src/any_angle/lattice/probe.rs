@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::any_angle::Errand;
 use crate::any_angle::disc::distance_to;
-use crate::any_angle::{CONTACT, Errand};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::stays_clear;
-use crate::driving::{SAME_HEADING, shortest_turn};
+use crate::driving::{CONTACT, SAME_HEADING, shortest_turn};
 use crate::geometry::{Vector, rotated, unit, unrotated};
 use crate::motion::{Curve, wrapped};
 

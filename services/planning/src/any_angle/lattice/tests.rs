@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use super::*;
 use crate::any_angle::{Abilities, Costs, measure};
 use crate::clearance::rectangle::Footprint;
+use crate::clearance::rectangle::tests::{outline_distance, pose};
 use crate::driving::{Goal, Pose, StartTurn};
 use crate::free_space::floor::Floor;
 use crate::free_space::walls::{Wall, Walls};
-use crate::geometry::distance::distance_segment_segment;
 use crate::geometry::{Vector, rotated, unit};
 use crate::motion::Leg;
 
@@ -115,43 +115,13 @@ fn run(scene: &Scene, search: Search, least: f64) -> Option<Measured> {
 
 /// The rectangle touches no wall at many poses.
 fn check_by_sampling(errand: &Errand<'_>, curves: &[Curve<2>]) {
-    let footprint = &errand.footprint;
-    let half = footprint.width() / 2.0;
-    let corners = [
-        [footprint.front(), half],
-        [-footprint.rear(), half],
-        [-footprint.rear(), -half],
-        [footprint.front(), -half],
-    ];
-    let check = |at: Vector<2>, heading: f64| {
-        let place = |corner: [f64; 2]| at + rotated(&corner.into(), &unit(heading));
-        let corners = corners.map(place);
-        for wall in errand.walls.as_slice() {
-            for side in 0..4 {
-                let edge = (&corners[side], &corners[(side + 1) % 4]);
-                let near = distance_segment_segment(edge, (&wall.from, &wall.to));
-                assert!(near.distance > 0.0, "{at} {heading} {wall:?} {curves:?}");
-            }
-            let inside = rotated(&(wall.from - at), &unit(-heading));
-            let ahead = -footprint.rear() <= inside.x && inside.x <= footprint.front();
-            assert!(!ahead || inside.y.abs() > half, "{at} {heading} {wall:?} {curves:?}");
-        }
-    };
     for curve in curves {
         let size = curve.length() + curve.turned().abs();
         let count = (size / 0.02).ceil().max(1.0);
         for sample in 0..=count as u32 {
-            let part = f64::from(sample) / count;
-            match *curve {
-                Curve::Line { from, to, heading, .. } => check(from + (to - from) * part, heading),
-                Curve::Turn { position, from_heading, sweep } => {
-                    check(position, from_heading + sweep * part);
-                }
-                Curve::Arc { center, radius, start_angle, sweep, .. } => {
-                    let at = center + unit(start_angle + sweep * part) * radius;
-                    check(at, curve.start_heading() + sweep * part);
-                }
-            }
+            let pose = pose(curve, f64::from(sample) / count);
+            let distance = outline_distance(&errand.footprint, pose, errand.walls);
+            assert!(distance > 0.0, "{pose:?} {curves:?}");
         }
     }
 }

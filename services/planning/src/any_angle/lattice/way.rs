@@ -2,12 +2,10 @@
 
 use super::probe::Probe;
 use crate::budget::Spent;
-use crate::driving::shortest_turn;
+use crate::driving::legs::NO_LINE;
+use crate::driving::{SAME_HEADING, shortest_turn};
 use crate::geometry::Vector;
 use crate::motion::{Curve, wrapped};
-
-/// Shorter lines are left out, metres.
-const NO_LINE: f64 = 1e-12;
 
 /// Sweeps up to this are no stop, radians.
 pub(super) const NO_TURN: f64 = 1e-9;
@@ -113,7 +111,7 @@ impl Way {
             let last = self.knots.len() - 1;
             let same = match curves.last() {
                 Some(Curve::Line { from, to, .. }) => Probe::same_heading(from, to),
-                _ => crate::driving::SAME_HEADING,
+                _ => SAME_HEADING,
             };
             let goal = wrapped(goal);
             if shortest_turn(heading, goal).abs() > same {

@@ -7,47 +7,9 @@ use super::scene::{Room, floor, rooms};
 use crate::any_angle::{Abilities, Costs, Errand, NoMotion, Planner, RobotMotion, Wish, drive};
 use crate::budget::Budget;
 use crate::clearance::rectangle::Footprint;
+use crate::clearance::rectangle::tests::{outline_distance, pose};
 use crate::driving::{Goal, Pose, StartTurn};
-use crate::free_space::walls::Walls;
-use crate::geometry::distance::distance_segment_segment;
-use crate::geometry::{Vector, rotated, unit};
-use crate::motion::{Curve, wrapped};
-
-/// The pose at a part of a curve.
-fn pose(curve: &Curve<2>, part: f64) -> (Vector<2>, f64) {
-    match *curve {
-        Curve::Line { from, to, heading, turned } => {
-            (from + (to - from) * part, heading - turned * (1.0 - part))
-        }
-        Curve::Arc { center, radius, start_angle, sweep, .. } => {
-            let angle = start_angle + part * sweep;
-            (center + unit(angle) * radius, curve.start_heading() + part * sweep)
-        }
-        Curve::Turn { position, from_heading, sweep } => (position, from_heading + part * sweep),
-    }
-}
-
-/// The least distance of the rectangle from all walls.
-fn distance(footprint: &Footprint, (at, heading): (Vector<2>, f64), walls: &Walls<2>) -> f64 {
-    let (half, front, rear) = (footprint.width() / 2.0, footprint.front(), footprint.rear());
-    let way = unit(heading);
-    let corners = [[front, half], [-rear, half], [-rear, -half], [front, -half]];
-    let corners = corners.map(|corner| at + rotated(&Vector::from(corner), &way));
-    let mut least = f64::INFINITY;
-    for wall in walls.as_slice() {
-        for index in 0..4 {
-            let side = (&corners[index], &corners[(index + 1) % 4]);
-            let near = distance_segment_segment(side, (&wall.from, &wall.to));
-            least = least.min(near.distance);
-        }
-        // Inside of the rectangle altogether.
-        let seen = crate::geometry::unrotated(&(wall.from - at), &way);
-        if -rear < seen.x && seen.x < front && seen.y.abs() < half {
-            least = 0.0;
-        }
-    }
-    least
-}
+use crate::motion::wrapped;
 
 #[track_caller]
 fn check(errand: &Errand<'_>, found: &RobotMotion) {
@@ -60,7 +22,7 @@ fn check(errand: &Errand<'_>, found: &RobotMotion) {
         let steps = 2 + ((curve.length() + curve.turned().abs()) * 50.0) as usize;
         for step in 0..=steps {
             let pose = pose(curve, step as f64 / steps as f64);
-            let distance = distance(&errand.footprint, pose, errand.walls);
+            let distance = outline_distance(&errand.footprint, pose, errand.walls);
             assert!(distance >= clearance - 1e-9, "{distance} < {clearance} {curve:?}");
         }
         assert!(*clearance > 0.0);

@@ -5,7 +5,7 @@ use super::moving::Moving;
 use super::segment::Rectangle;
 use super::slide::{Slide, bounds};
 use super::swing::Swing;
-use super::{Footprint, Met, nearest, next_guess};
+use super::{Footprint, Met, nearest, nearest_along};
 use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
 use crate::free_space::walls::{Wall, Walls};
@@ -80,12 +80,9 @@ pub fn free_clearance(
     // beside the start, its walls are looked at one by one, best when the others have shown
     // how far to look.
     let (mut waiting, mut count) = ([0; WAITING], 0);
-    let mut guess = footprint.width.max(footprint.length());
-    for (index, Leg { curve, .. }) in legs.iter().enumerate() {
-        let met = nearest(footprint, curve, walls, guess, budget)?;
-        guess = next_guess(&met, guess);
+    nearest_along(footprint, legs, walls, budget, |index, met, _| {
         if met.value >= binding.value {
-            continue;
+            return Ok(());
         }
         if met.value < binding.cap(&met.wall) {
             (binding.value, binding.wall, binding.leg) = (met.value, met.wall, index);
@@ -93,9 +90,10 @@ pub fn free_clearance(
             waiting[count] = index;
             count += 1;
         } else {
-            binding.look(footprint, (index, curve), walls, budget)?;
+            binding.look(footprint, (index, &legs[index].curve), walls, budget)?;
         }
-    }
+        Ok::<_, Spent>(())
+    })?;
     for &index in &waiting[..count] {
         binding.look(footprint, (index, &legs[index].curve), walls, budget)?;
     }

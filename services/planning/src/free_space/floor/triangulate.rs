@@ -59,7 +59,7 @@ pub(super) fn triangulate(walls: &[Wall<2>], budget: &Budget<'_>) -> Result<Floo
             Some(bounds.map_or((*point, *point), |(low, high)| (low.inf(point), high.sup(point))))
         })
         .ok_or(FloorError::Empty)?;
-    let farthest = low.amin().abs().max(low.amax()).max(high.amax());
+    let farthest = low.amax().max(high.amax());
     let extent = (high - low).amax();
     let tolerance = 8.0 * f64::EPSILON * farthest + TOUCHING * extent;
     let mut tree = BoxTree::default();
