@@ -1,7 +1,7 @@
 //! What an answer costs without the bus: from a request's cells to its reply's, checked,
 //! planned, measured and sampled.
 //!
-//! `cargo bench -p planner --bench answer`
+//! `cargo bench -p clearway-answer --bench answer`
 
 use std::convert::Infallible;
 

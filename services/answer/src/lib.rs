@@ -41,6 +41,7 @@ mod free_space;
 mod parts;
 mod refuse;
 mod scene;
+mod sink;
 mod stop;
 mod uploads;
 mod wish;
@@ -55,6 +56,7 @@ use assembly::Assembly;
 use cache::Cache;
 use driving::Driving;
 use parts::{Collect, Parts};
+use sink::{AnySink, SinkFailed, with_any_sink};
 use uploads::Uploads;
 use wish::Wishes;
 
@@ -164,6 +166,16 @@ impl Workspace {
         stop: &StopFlag,
         sink: &mut S,
     ) -> Result<(), S::Error> {
+        with_any_sink(sink, |sink| self.answer_any(header, cells, stop, sink))
+    }
+
+    fn answer_any(
+        &mut self,
+        header: &wire::RequestHeader,
+        cells: &[u64],
+        stop: &StopFlag,
+        sink: &mut AnySink<'_>,
+    ) -> Result<(), SinkFailed> {
         let budget = Budget::with_stop(self.caps.limits(), stop.flag());
         let answered = self.try_answer(header, cells, &budget, stop, sink);
         self.end_request();
@@ -184,14 +196,14 @@ impl Workspace {
         Parts::new(key(header), id, 0, sink).refuse(refusal, true)
     }
 
-    fn try_answer<S: PartSink>(
+    fn try_answer(
         &mut self,
         header: &wire::RequestHeader,
         cells: &[u64],
         budget: &Budget<'_>,
         stop: &StopFlag,
-        sink: &mut S,
-    ) -> Result<(), Stop<S::Error>> {
+        sink: &mut AnySink<'_>,
+    ) -> Result<(), Stop<SinkFailed>> {
         let Self { caps, scene, uploads, cache, buffers } = self;
         caps.check_cells(cells.len())?;
         convert::check_version(header)?;
@@ -217,16 +229,21 @@ impl Workspace {
     fn end_request(&mut self) {
         self.uploads.close(&mut self.scene.free_space);
         let most = self.cache.most_bytes() / BUFFERS_SHARE;
-        if self.buffers.bytes() > most {
+        // Counting the buffers is some 4 % of a small request: once is enough.
+        let (mut buffers, mut scene) = (self.buffers.bytes(), scene::bytes(&self.scene));
+        if buffers > most {
             self.buffers = Buffers::default();
+            buffers = self.buffers.bytes();
         }
-        if scene::bytes(&self.scene) > most {
+        if scene > most {
             self.scene = SceneRequest::empty();
+            scene = scene::bytes(&self.scene);
         }
         if self.cache.content_bytes() > most {
             self.cache.release_content();
         }
-        self.cache.end_request(self.buffer_bytes());
+        let read = scene + self.uploads.bytes() + self.cache.content_bytes();
+        self.cache.end_request(buffers + read);
     }
 
     /// Memory of what is reused, whatever it contains.
