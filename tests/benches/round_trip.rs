@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 
 use answer::{StopFlag, Workspace};
 use bus::{Client, Domain, Server, ServerOptions, Wait};
-use iceoryx2::prelude::{AllocationStrategy, Config, FileName, NodeBuilder, SemanticString, ipc};
+use iceoryx2::prelude::{
+    AllocationStrategy, Config, FileName, NodeBuilder, SemanticString, ZeroCopySend, ipc,
+};
 use iceoryx2::service::port_factory::request_response::PortFactory;
 use schemas::convert::{CellWriter, PartSink, write_scene};
 use schemas::json::read_scene;
@@ -174,7 +176,6 @@ struct Bare {
 
 impl Bare {
     fn new(name: &str) -> Self {
-        const { assert!(size_of::<RequestHeader>() == 34 * 8 && size_of::<ReplyHeader>() == 19 * 8) };
         let mut config = Config::default();
         config.global.prefix = FileName::new(bare_prefix(name).as_bytes()).expect("a name");
         let node = NodeBuilder::new().config(&config).create::<ipc::Service>().expect("a node");
@@ -182,8 +183,8 @@ impl Bare {
         let service = node
             .service_builder(&"bare".try_into().expect("a name"))
             .request_response::<[u64], [u64]>()
-            .request_user_header::<[[u64; 17]; 2]>()
-            .response_user_header::<[u64; 19]>()
+            .request_user_header::<BareRequest>()
+            .response_user_header::<BareReply>()
             .enable_safe_overflow_for_requests(false)
             .enable_safe_overflow_for_responses(false)
             .max_servers(1)
@@ -210,8 +211,19 @@ impl Bare {
     }
 }
 
-type BareService = PortFactory<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;
+/// As long as a [`RequestHeader`], in arrays that have a default.
+#[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
+#[repr(C)]
+struct BareRequest {
+    first: [u64; 32],
+    rest: [u64; size_of::<RequestHeader>() / 8 - 32],
+}
+
+/// As long as a [`ReplyHeader`].
+type BareReply = [u64; size_of::<ReplyHeader>() / 8];
+
+type BareService = PortFactory<ipc::Service, [u64], BareRequest, [u64], BareReply>;
 type BareServer =
-    iceoryx2::port::server::Server<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;
+    iceoryx2::port::server::Server<ipc::Service, [u64], BareRequest, [u64], BareReply>;
 type BareClient =
-    iceoryx2::port::client::Client<ipc::Service, [u64], [[u64; 17]; 2], [u64], [u64; 19]>;
+    iceoryx2::port::client::Client<ipc::Service, [u64], BareRequest, [u64], BareReply>;

@@ -84,6 +84,10 @@ struct Buffers {
     plane: Assembly<2>,
     space: Assembly<3>,
     floor: Driving,
+    /// Memory of each as counted last, bytes.
+    bytes: [usize; 3],
+    /// The one used since.
+    used: Option<usize>,
 }
 
 impl Default for Workspace {
@@ -214,6 +218,12 @@ impl Workspace {
         let wishes = Wishes::of(&scene.clearance, caps)?;
         let parts = &mut Parts::new(key(header), scene.id, wishes.count(), sink);
         let resources = Resources { caps, budget, cache };
+        let kind = match (scene.task, dimension) {
+            (Task::Drive, _) => FLOOR,
+            (_, 2) => PLANE,
+            (_, _) => SPACE,
+        };
+        buffers.used = Some(kind);
         match (scene.task, dimension) {
             (Task::Drive, 2) => buffers.floor.answer(scene, &wishes, resources, stop, parts),
             (Task::Drive, _) => {
@@ -229,11 +239,11 @@ impl Workspace {
     fn end_request(&mut self) {
         self.uploads.close(&mut self.scene.free_space);
         let most = self.cache.most_bytes() / BUFFERS_SHARE;
-        // Counting the buffers is some 4 % of a small request: once is enough.
+        self.buffers.count();
         let (mut buffers, mut scene) = (self.buffers.bytes(), scene::bytes(&self.scene));
         if buffers > most {
             self.buffers = Buffers::default();
-            buffers = self.buffers.bytes();
+            buffers = 0;
         }
         if scene > most {
             self.scene = SceneRequest::empty();
@@ -256,9 +266,26 @@ impl Workspace {
 /// Each kind of buffer may keep this fraction (1/4) of the cache's bound.
 const BUFFERS_SHARE: usize = 4;
 
+/// Indices of [`Buffers::bytes`].
+const PLANE: usize = 0;
+const SPACE: usize = 1;
+const FLOOR: usize = 2;
+
 impl Buffers {
+    /// Counts the memory of those that a request used: a look at each vector of all three would be
+    /// some 4 % of a small request.
+    fn count(&mut self) {
+        if let Some(used) = self.used.take() {
+            self.bytes[used] = match used {
+                PLANE => self.plane.bytes(),
+                SPACE => self.space.bytes(),
+                _ => self.floor.bytes(),
+            };
+        }
+    }
+
     fn bytes(&self) -> usize {
-        self.plane.bytes() + self.space.bytes() + self.floor.bytes()
+        self.bytes.iter().sum()
     }
 }
 

@@ -188,5 +188,8 @@ pub enum NoMotion {
 /// Free clearances are found to this, metres.
 pub(crate) const PRECISION: f64 = 1e-9;
 
+/// The least gap from corners, as a part of the floor's width.
+const LEAST_GAP: f64 = 1e-9;
+
 #[cfg(test)]
 mod tests;

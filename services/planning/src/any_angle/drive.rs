@@ -2,13 +2,10 @@
 
 use super::ladder::{Target, shortest};
 use super::planner::Planner;
-use super::{Errand, NoMotion, RobotMotion, Wish, bound, safest};
+use super::{Errand, LEAST_GAP, NoMotion, RobotMotion, Wish, bound, safest};
 use crate::budget::Budget;
 use crate::clearance::rectangle::clearance_rectangle_pose;
 use crate::driving::CONTACT;
-
-/// The least gap from corners, as a part of the floor's width.
-const LEAST_GAP: f64 = 1e-9;
 
 /// Finds the motion that is wished for.
 pub fn drive(

@@ -1,13 +1,17 @@
 //! The motion with the greatest free clearance.
 
+use super::disc::disc_of;
 use super::ladder::{Target, shortest};
 use super::measure::cost;
 use super::planner::Planner;
-use super::{Errand, NoMotion, PRECISION, RobotMotion, bound, refusal};
+use super::{Errand, LEAST_GAP, NoMotion, PRECISION, RobotMotion, bound, refusal};
 use crate::budget::{Budget, Spent};
 
 /// Gaps looked at one by one, since more gap need not mean more clearance.
 const GAPS: usize = 32;
+
+/// A disc that is wider than the widest by this part is stuck beside an end if there.
+const BESIDE: f64 = 1e-6;
 
 /// How often poses are searched.
 const MOST_POSES: usize = 3;
@@ -35,12 +39,17 @@ pub(super) fn safest(
     let mut search =
         SafestSearch { errand, planner, best: None, refused: None, blocked_gap: None, budget };
     let (mut low, mut high) = (0.0, widest - half);
-    if !search.try_target(at_least(high))? {
-        for step in 1..GAPS {
+    let keeps_all = search.try_target(at_least(high))?;
+    // Beside the ends a rectangle can keep more than a disc; in a passage it can't.
+    let is_even = disc_of(errand, widest * (1.0 + BESIDE), budget)?.is_even();
+    if !keeps_all || !is_even {
+        for step in 0..GAPS {
             let gap = high * step as f64 / GAPS as f64;
-            search.try_target(with_gap(gap))?;
+            search.try_target(with_gap(gap.max(LEAST_GAP * most)))?;
         }
         search.refine(high / GAPS as f64, high)?;
+    }
+    if !keeps_all {
         // Where a gap leads nowhere else, poses are searched, whatever the gap.
         if let Some(gap) = search.blocked_gap {
             search.try_target(Target { searches_poses: true, ..with_gap(gap) })?;

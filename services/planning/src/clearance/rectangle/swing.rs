@@ -22,9 +22,8 @@ pub(super) struct Swing {
     corners: [Vector<2>; 4],
     /// Distances of the corners from the centre.
     radii: [f64; 4],
-    /// How many corners in a row share a circle: the two of a side if the reference point is
-    /// in the middle.
-    on_circle: usize,
+    /// Whether the two corners of a side share a circle: the reference point is in the middle.
+    is_even: bool,
     /// The greatest of the radii.
     outer: f64,
     /// The unit vector at half of the sweep's size.
@@ -82,7 +81,7 @@ impl Swing {
             body,
             corners,
             radii,
-            on_circle: if footprint.front == footprint.rear { 2 } else { 1 },
+            is_even: footprint.front == footprint.rear,
             outer: radii[2].max(radii[3]),
             half: unit(sweep.abs() / 2.0),
             half_sweep: sweep.abs() / 2.0,
@@ -154,9 +153,14 @@ impl Swing {
             return;
         }
         self.placements(wall, &seen, met);
-        for first in (0..4).step_by(self.on_circle) {
-            let corners = &self.corners[first..][..self.on_circle];
-            self.corners_to_wall(wall, &seen, corners, self.radii[first], met);
+        let [a, b, c, d] = self.corners;
+        if self.is_even {
+            self.corners_to_wall(wall, &seen, &[a, b], self.radii[0], met);
+            self.corners_to_wall(wall, &seen, &[c, d], self.radii[2], met);
+        } else {
+            for (corner, radius) in self.corners.into_iter().zip(self.radii) {
+                self.corners_to_wall(wall, &seen, &[corner], radius, met);
+            }
         }
         for end in 0..2 {
             self.wall_end_to_edges(wall, &seen, end, met);
@@ -175,11 +179,11 @@ impl Swing {
     }
 
     /// Body corners on one circle about the centre against the wall.
-    fn corners_to_wall(
+    fn corners_to_wall<const N: usize>(
         &self,
         wall: &Wall<2>,
         seen: &Seen,
-        corners: &[Vector<2>],
+        corners: &[Vector<2>; N],
         radius: f64,
         met: &mut Met,
     ) {
@@ -232,9 +236,11 @@ impl Swing {
             candidate(self.inner - length, 0.0, length * Sign::of(center.y).factor());
             return;
         }
+        // More than the square of what an edge reaches.
+        let most = (center.abs() + half).map(|reach| 1.000_001 * reach * reach);
         for y in [center.y - half.y, center.y + half.y] {
             let square = length * length - y * y;
-            if square >= 0.0 {
+            if (0.0..=most.x).contains(&square) {
                 let x = square.sqrt();
                 for x in [x, -x] {
                     if (x - center.x).abs() <= half.x {
@@ -245,7 +251,7 @@ impl Swing {
         }
         for x in [center.x + half.x, center.x - half.x] {
             let square = length * length - x * x;
-            if square >= 0.0 {
+            if (0.0..=most.y).contains(&square) {
                 let y = square.sqrt();
                 for y in [y, -y] {
                     if (y - center.y).abs() <= half.y {

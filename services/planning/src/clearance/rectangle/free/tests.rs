@@ -224,7 +224,8 @@ proptest! {
             free(&footprint, curves, &walls).map_or(f64::INFINITY, |found| found.value)
         };
         let (there, back) = (value(&curves), value(&back));
-        prop_assert!(there == back || (there - back).abs() < 1e-9, "{} {}", there, back);
+        // What binds is told to 1e-9, and where it begins moves by more where distances cross flatly.
+        prop_assert!(there == back || (there - back).abs() < 1e-8, "{} {}", there, back);
     }
 
     /// A wall right behind the start, or beside it, changes nothing for who drives away.
