@@ -55,11 +55,11 @@ pub(super) struct SceneJson<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     min_turn_radius: Option<f64>,
     /// `drive` only: the length that a radian turned in place counts as where motions are
-    /// compared, metres; at least 0. Default: 0.25.
+    /// compared, metres; at least 0. Default: a quarter of the robot's length.
     #[serde(skip_serializing_if = "Option::is_none")]
     turn_cost: Option<f64>,
     /// `drive` only: the length that a stop on the way counts as where motions are compared,
-    /// metres; at least 0. Default: 0.1.
+    /// metres; at least 0. Default: a tenth of the robot's length.
     #[serde(skip_serializing_if = "Option::is_none")]
     stop_cost: Option<f64>,
     /// `drive` only: `"full"` for `bound` and `free_clearance` in trajectories through channels in

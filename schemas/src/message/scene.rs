@@ -32,9 +32,11 @@ pub struct SceneRequest {
     pub turn_in_place: Option<bool>,
     /// Driving: the least radius of the reference point's path, metres; by default any.
     pub min_turn_radius: Option<f64>,
-    /// Driving: the length that a radian turned in place is worth, metres; default 0.25.
+    /// Driving: the length that a radian turned in place is worth, metres; by default a quarter of the
+    /// robot's length.
     pub turn_cost: Option<f64>,
-    /// Driving: the length that a stop is worth, metres; default 0.1.
+    /// Driving: the length that a stop is worth, metres; by default a tenth of the robot's
+    /// length.
     pub stop_cost: Option<f64>,
     /// Driving: what the reply says of each trajectory.
     pub report: Option<Report>,

@@ -3,8 +3,9 @@
 use std::mem;
 use std::sync::Arc;
 
-use planning::any_angle::{self, Planner, RobotMotion};
-use planning::driving::limits;
+use planning::any_angle::{self, NoMotion, Planner, RobotMotion};
+use planning::budget::{Budget, Spent};
+use planning::driving::{DrivingError, limits};
 use planning::free_space::floor::Floor;
 use planning::free_space::walls::{Complement, Walls};
 use planning::route::{self, Judgement, RouteError, Router};
@@ -58,6 +59,8 @@ struct DrivingJob<'a> {
     certifier: Option<(Floor, Planner)>,
     /// Of the answer at hand, where the request asks for a full report.
     certificate: Option<Certificate>,
+    /// The answer at hand, where the rules lead to no free pose at the goal: driven at large.
+    at_large: Option<RobotMotion>,
     memory: &'a mut Memory,
     resources: Resources<'a>,
 }
@@ -100,6 +103,7 @@ impl Driving {
             found_for,
             certifier: None,
             certificate: None,
+            at_large: None,
             memory,
             resources,
         };
@@ -146,12 +150,22 @@ impl Job for DrivingJob<'_> {
             KeptGap::Same(gap) => Some(gap),
             KeptGap::Each(_) | KeptGap::Part(_) => None,
         };
+        self.at_large = None;
         if self.space.graph().is_none() || self.found_for == Some(gap) {
             let Self { errand, memory, walls, resources, .. } = self;
-            memory
-                .course
-                .drive(errand, kept, walls, resources.budget)
-                .map_err(|error| refuse::driving(wish.field(), error))?;
+            match memory.course.drive(errand, kept, walls, resources.budget) {
+                Ok(()) => {}
+                Err(error) => {
+                    // The rules lead to the goal in one direction; another may do.
+                    let is_free = matches!(error, DrivingError::GoalTouchesWall { .. })
+                        && errand.goal.heading.is_none();
+                    let refused = refuse::driving(wish.field(), error);
+                    match gap {
+                        Some(gap) if is_free => return self.drive_at_large(gap, refused),
+                        _ => return Err(refused),
+                    }
+                }
+            }
         } else {
             if let KeptGap::Each(gaps) = kept {
                 let error = RouteError::GapPerJunction { has: gaps.len() };
@@ -171,6 +185,10 @@ impl Job for DrivingJob<'_> {
     }
 
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
+        if let Some(found) = &self.at_large {
+            let Memory { course, profile, .. } = &*self.memory;
+            return anywhere::write(found, &course.route, (&self.pace, profile), last, parts);
+        }
         let Memory { course: Course { path, gaps, route, .. }, profile, .. } = &*self.memory;
         let legs = path.legs().iter().zip(path.leg_clearances());
         let lists = TrajectoryWriter {
@@ -194,18 +212,41 @@ impl Job for DrivingJob<'_> {
     }
 }
 
+/// The floor among walls, made once.
+fn floor_once<'a>(
+    known: &'a mut Option<(Floor, Planner)>,
+    walls: &Walls<2>,
+    budget: &Budget<'_>,
+) -> Result<&'a mut (Floor, Planner), Refused> {
+    match known {
+        Some(known) => Ok(known),
+        none => Ok(none.insert((anywhere::floor_among(walls, budget)?, Planner::default()))),
+    }
+}
+
 impl DrivingJob<'_> {
+    /// Drives in the same channels without the rules; if that does not do either, `refused` stands.
+    fn drive_at_large(&mut self, gap: f64, refused: Refused) -> Result<(), Refused> {
+        let Self { errand, walls, certifier, memory, pace, resources, .. } = self;
+        let (budget, mut found) = (resources.budget, RobotMotion::default());
+        let (floor, planner) = floor_once(certifier, walls, budget)?;
+        let task = errand.among(walls, floor);
+        match any_angle::drive(&task, any_angle::Wish::Gap(gap), planner, &mut found, budget) {
+            Ok(()) => {}
+            Err(NoMotion::Spent(Spent::Stopped)) => return Err(Spent::Stopped.into()),
+            Err(_) => return Err(refused),
+        }
+        let Memory { course, profile, .. } = &mut **memory;
+        pace.plan(&found.legs, profile, 1 + course.route.len(), resources)?;
+        self.at_large = Some(found);
+        Ok(())
+    }
+
     /// The free clearance and the bound of the answer at hand.
     fn certify(&mut self) -> Result<Certificate, Refused> {
         let Self { errand, walls, certifier, memory, resources, .. } = self;
         let budget = resources.budget;
-        let (floor, planner) = match certifier {
-            Some(known) => known,
-            None => {
-                let floor = anywhere::floor_among(walls, budget)?;
-                certifier.insert((floor, Planner::default()))
-            }
-        };
+        let (floor, planner) = floor_once(certifier, walls, budget)?;
         let path = &memory.course.path;
         let mut motion = RobotMotion {
             legs: path.legs().to_vec(),

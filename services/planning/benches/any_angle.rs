@@ -100,7 +100,7 @@ fn pillars_further_answers(bencher: Bencher<'_, '_>, side: usize) {
 }
 
 /// Four walls for each pillar.
-#[divan::bench(args = [5, 16, 50, 158, 500])]
+#[divan::bench(args = [5, 16, 50, 158, 500], sample_count = 5)]
 fn floor_of_pillars(bencher: Bencher<'_, '_>, side: usize) {
     let (width, outlines) = pillars(side);
     let walls = room(width, &outlines);

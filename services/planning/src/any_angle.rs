@@ -14,16 +14,16 @@ use crate::driving::{Goal, Pose, StartTurn};
 use crate::free_space::floor::Floor;
 use crate::free_space::walls::Walls;
 use crate::geometry::Vector;
-use crate::motion::{Leg, Rung};
+use crate::motion::Leg;
 
 mod arc_memo;
 mod backwards;
 mod bound;
 mod disc;
+mod disc_path;
 mod drive;
 mod fuse;
 mod ladder;
-#[cfg_attr(not(test), expect(dead_code, reason = "the ladder does not call it yet"))]
 mod lattice;
 mod legs;
 mod measure;
@@ -36,7 +36,9 @@ mod taut;
 mod travelled;
 
 pub use bound::certify;
+pub use disc_path::disc_path;
 pub use drive::drive;
+pub use lattice::Resolution;
 pub use planner::Planner;
 pub use travelled::channels_travelled;
 
@@ -87,6 +89,16 @@ pub struct Costs {
     pub stop: f64,
 }
 
+impl Costs {
+    /// Those that grow with the robot, so that the unit does not matter: a quarter of its length
+    /// a radian, and a tenth of it a stop.
+    pub fn of(footprint: &Footprint) -> Self {
+        let length = footprint.length();
+        Self { turn: 0.25 * length, stop: 0.1 * length }
+    }
+}
+
+/// Those of a robot that is 1 m long.
 impl Default for Costs {
     fn default() -> Self {
         Self { turn: 0.25, stop: 0.1 }
@@ -124,14 +136,12 @@ pub struct RobotMotion {
     pub bound: f64,
     /// Whether the search for it came to an end.
     pub is_complete: bool,
+    /// The length of the taut path at the gap, if that was found on the way to this motion,
+    /// metres: a bound of all that keeps the gap.
+    pub taut_length: Option<f64>,
 }
 
 impl RobotMotion {
-    /// Whether all legs are of one rung.
-    pub(crate) fn is_of(&self, rung: Rung) -> bool {
-        self.legs.iter().all(|leg| leg.rung == Some(rung))
-    }
-
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.legs.capacity() * size_of::<Leg<2>>()
@@ -179,6 +189,8 @@ pub enum NoMotion {
         turning: bool,
         /// Whether driving backwards would help.
         reverse_helps: bool,
+        /// How finely other ways were searched; `None` if they were not, or need not be.
+        resolution: Option<Resolution>,
     },
     /// The budget has been spent.
     #[error(transparent)]

@@ -155,23 +155,34 @@ impl Job for AnywhereJob<'_> {
 
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
         let Memory { found, profile, route, .. } = &*self.memory;
-        let corners = found.legs.iter().filter_map(|leg| leg.junction).max().map_or(0, |at| at + 1);
-        let legs = found.legs.iter().zip(&found.leg_clearances);
-        let lists = TrajectoryWriter {
-            gaps: std::iter::repeat_n(found.gap, corners),
-            route: route.iter().map(|channel| *channel as u64),
-            channels: parts::boxes::<2>(&[]),
-            legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
-            samples: self.pace.states(&found.legs, profile),
-        };
-        let fill = |header: &mut ReplyHeader| {
-            header.dimension = 2;
-            header.gaps_per_junction = 1;
-            header.length = found.length;
-            header.duration = profile.duration();
-            parts::clearance(header, found.clearance.as_ref());
-            header.set_certificate(certificate(found));
-        };
-        parts.trajectory(fill, lists, last)
+        write(found, route, (&self.pace, profile), last, parts)
     }
+}
+
+/// Writes a motion.
+pub(super) fn write<S: PartSink>(
+    found: &RobotMotion,
+    route: &[usize],
+    (pace, profile): (&Pace, &Profile),
+    last: bool,
+    parts: &mut Parts<'_, S>,
+) -> Result<(), S::Error> {
+    let corners = found.legs.iter().filter_map(|leg| leg.junction).max().map_or(0, |at| at + 1);
+    let legs = found.legs.iter().zip(&found.leg_clearances);
+    let lists = TrajectoryWriter {
+        gaps: std::iter::repeat_n(found.gap, corners),
+        route: route.iter().map(|channel| *channel as u64),
+        channels: parts::boxes::<2>(&[]),
+        legs: legs.map(|(leg, near)| parts::leg(leg, *near)),
+        samples: pace.states(&found.legs, profile),
+    };
+    let fill = |header: &mut ReplyHeader| {
+        header.dimension = 2;
+        header.gaps_per_junction = 1;
+        header.length = found.length;
+        header.duration = profile.duration();
+        parts::clearance(header, found.clearance.as_ref());
+        header.set_certificate(certificate(found));
+    };
+    parts.trajectory(fill, lists, last)
 }

@@ -56,7 +56,7 @@ impl Errand {
                 Some(message::StartTurn::WhileMoving) => StartTurn::WhileMoving,
             },
             abilities: abilities(scene, any_order)?,
-            costs: costs(scene)?,
+            costs: costs(scene, &footprint)?,
             full_report: scene.report == Some(message::Report::Full),
         })
     }
@@ -172,8 +172,8 @@ fn abilities(scene: &SceneRequest, any_order: bool) -> Result<Abilities, Refusal
     })
 }
 
-fn costs(scene: &SceneRequest) -> Result<Costs, Refusal> {
-    let default = Costs::default();
+fn costs(scene: &SceneRequest, footprint: &Footprint) -> Result<Costs, Refusal> {
+    let default = Costs::of(footprint);
     let cost = |field: &str, value: Option<f64>, default: f64, unit: &str| {
         let value = value.unwrap_or(default);
         check::not_negative(field, value, unit)?;

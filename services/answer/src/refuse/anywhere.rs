@@ -1,6 +1,6 @@
 //! Robots among walls at any angle that can't be driven as asked.
 
-use planning::any_angle::{Errand, NoMotion, Wish};
+use planning::any_angle::{Errand, NoMotion, Resolution, Wish};
 use planning::geometry::Vector;
 use schemas::message::{ErrorCode, Refusal};
 
@@ -112,15 +112,18 @@ pub(crate) fn no_motion(
                 (refusal, has <= width)
             }
         }
-        NoMotion::Blocked { wall, turning, reverse_helps } => {
+        NoMotion::Blocked { wall, turning, reverse_helps, resolution } => {
             let (code, does) = match turning {
                 true => (ErrorCode::TurnBlocked, "turns"),
                 false => (ErrorCode::WallInTheWay, "drives"),
             };
+            let at = resolution.map_or_else(String::new, |Resolution { step, headings }| {
+                format!(" with steps of {} m and {headings} headings", Short(step))
+            });
             let remedy = if reverse_helps { "; \"reverse\": true would do" } else { "" };
             let message = format!(
                 "the robot would touch the wall at {} where it {does}, and no other way was \
-                 found{remedy}",
+                 found{at}{remedy}",
                 Place(wall)
             );
             (Refusal { needs: Some(0.0), has: Some(0.0), ..Refusal::new(code, message) }, false)

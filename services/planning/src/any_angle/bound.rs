@@ -2,6 +2,7 @@
 
 use super::disc::disc_of;
 use super::planner::Planner;
+use super::taut::TurnRadii;
 use super::{Errand, PRECISION, RobotMotion};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::free_clearance;
@@ -33,13 +34,21 @@ pub fn certify(
     });
     let half = footprint.width() / 2.0;
     let half = if is_forward { half } else { half.min(footprint.front()).min(footprint.rear()) };
+    // The taut path at the gap bounds all that keeps more; the motion itself may be it.
+    if is_forward
+        && let Some(taut) = found.taut_length
+        && found.free_clearance >= found.gap - PRECISION
+        && (length - taut <= PRECISION * length || found.free_clearance <= found.gap + PRECISION)
+    {
+        found.bound = taut.clamp(found.bound, length);
+        return Ok(());
+    }
     let radius = half + found.free_clearance - PRECISION;
     if radius <= 0.0 {
         return Ok(());
     }
     let disc = disc_of(errand, radius, budget)?;
-    let radius_at = |_: u32, point: &_| disc.radius_at(point);
-    let path = planner.taut.find(errand.floor, &disc, radius_at, true, budget);
+    let path = planner.bounds.find(errand.floor, &disc, TurnRadii::DISC, budget);
     match path {
         Ok(Some(path)) => found.bound = path.length.clamp(found.bound, length),
         Ok(None) => {}

@@ -7,14 +7,20 @@ use super::lattice;
 use super::legs::legs_of;
 use super::measure::{Contact, cost, measure};
 use super::planner::Planner;
-use super::taut::TautPath;
+use super::taut::{TautPath, TurnRadii};
 use super::{Abilities, Errand, NoMotion, PRECISION, RobotMotion, backwards, bound, fuse, refusal};
 use crate::budget::{Budget, Spent};
-use crate::geometry::Vector;
 use crate::motion::{Curve, Leg, Rung};
 
 /// Radii tried between that of the taut path and that at which the robot can turn anywhere.
 const RADII: usize = 4;
+
+/// What is no longer than the taut path by this factor is not worth a search for lines between
+/// places to turn, ...
+const NEAR: f64 = 1.02;
+
+/// ... or, by this one, for poses.
+const LONG: f64 = 1.05;
 
 /// How often the radius at a corner that is in the way is made larger.
 const MOST_CHANGES: usize = 8;
@@ -38,8 +44,10 @@ pub(super) fn shortest(
     found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
-    let mut best = Best { cost: f64::INFINITY, motion: None, is_cut_short: false };
     let taut = one_way(errand, target, planner, found, budget);
+    let taut_length = found.taut_length;
+    let mut best =
+        Best { cost: f64::INFINITY, motion: None, taut_length, is_cut_short: false };
     let blocked = match taut {
         Ok(is_taut) => {
             best.offer(errand, found);
@@ -60,25 +68,25 @@ pub(super) fn shortest(
             best.offer(errand, found);
         }
     }
-    let is_taut = best.motion.as_ref().is_some_and(|motion| motion.is_of(Rung::Taut));
-    if !is_taut {
-        let other = poses(errand, target, Rung::Aligned, planner, found, budget);
+    if best.is_longer_than(NEAR) {
+        let other = poses(errand, target, (Rung::Aligned, best.cost), planner, found, budget);
         if best.takes(other)? == Some(true) {
             best.offer(errand, found);
         }
     }
-    if best.motion.is_none() && target.searches_poses {
-        let other = poses(errand, target, Rung::Lattice, planner, found, budget);
+    if target.searches_poses && best.is_longer_than(LONG) {
+        let other = poses(errand, target, (Rung::Lattice, best.cost), planner, found, budget);
         if best.takes(other)? == Some(true) {
             best.offer(errand, found);
         }
     }
     match blocked {
         Some((wall, turning)) if best.motion.is_none() => {
+            let resolution = planner.lattice.resolution().filter(|_| target.searches_poses);
             let reverse_helps = !errand.abilities.reverse
                 && target.searches_poses
                 && would_reverse_help(errand, target, planner, found, budget)?;
-            Err(NoMotion::Blocked { wall, turning, reverse_helps })
+            Err(NoMotion::Blocked { wall, turning, reverse_helps, resolution })
         }
         _ => {
             best.take(found);
@@ -91,11 +99,19 @@ pub(super) fn shortest(
 struct Best {
     cost: f64,
     motion: Option<RobotMotion>,
+    /// Length of the taut path at the gap, metres.
+    taut_length: Option<f64>,
     /// Whether the budget ended before all were looked at.
     is_cut_short: bool,
 }
 
 impl Best {
+    /// Whether there is no motion yet, or one that is longer than the taut path by a factor.
+    fn is_longer_than(&self, factor: f64) -> bool {
+        let taut = self.taut_length.unwrap_or(f64::INFINITY);
+        self.motion.as_ref().is_none_or(|motion| motion.length > factor * taut)
+    }
+
     fn offer(&mut self, errand: &Errand<'_>, found: &mut RobotMotion) {
         let cost = cost(errand, &found.legs);
         if cost < self.cost {
@@ -121,8 +137,8 @@ impl Best {
 
     fn take(self, found: &mut RobotMotion) {
         if let Some(motion) = self.motion {
-            *found = motion;
-            found.is_complete = !self.is_cut_short;
+            let (taut_length, is_complete) = (self.taut_length, !self.is_cut_short);
+            *found = RobotMotion { taut_length, is_complete, ..motion };
         }
     }
 }
@@ -145,11 +161,12 @@ fn would_reverse_help(
     }
 }
 
-/// A motion between poses, by straight legs or by all means; whether there is one.
+/// A motion between poses, by straight legs or by all means, that costs less than `most`; whether
+/// there is one.
 fn poses(
     errand: &Errand<'_>,
     target: Target,
-    rung: Rung,
+    (rung, most): (Rung, f64),
     planner: &mut Planner,
     found: &mut RobotMotion,
     budget: &Budget<'_>,
@@ -158,15 +175,11 @@ fn poses(
         Rung::Aligned => lattice::aligned,
         _ => lattice::search,
     };
-    // With less than the gap only what can't be had with it; a search takes long.
+    // With less than the gap only what can't be had with it.
     let all = [target.gap, 0.0];
-    let leasts = match (rung, target.least) {
-        (Rung::Aligned, None) => &all[..],
-        (_, None) => &all[1..],
-        (_, Some(_)) => &all[..1],
-    };
+    let leasts = if target.least.is_some() || most.is_finite() { &all[..1] } else { &all[..] };
     for least in leasts.iter().copied() {
-        let Some(curves) = search(errand, least, &mut planner.lattice, budget)? else { continue };
+        let Some(curves) = search(errand, (least, most), &mut planner.lattice, budget)? else { continue };
         let is_reverse = curves.iter().any(Curve::is_reverse);
         let rung = if is_reverse && rung == Rung::Aligned { Rung::Reverse } else { rung };
         let leg = |curve| Leg { curve, junction: None, rule: None, rung: Some(rung) };
@@ -188,12 +201,17 @@ fn one_way(
     budget: &Budget<'_>,
 ) -> Result<bool, NoMotion> {
     found.gap = target.gap;
+    found.taut_length = None;
     let radius = errand.footprint.width() / 2.0 + target.gap;
     planner.radii.clear();
     let disc = disc_of(errand, radius, budget)?;
     let Some(path) = taut_path(errand, &disc, planner, budget)? else {
         return Err(refusal::no_way(errand, radius, planner, budget)?);
     };
+    // With a least turning radius it is longer than need be.
+    if errand.abilities.min_turn_radius <= radius {
+        found.taut_length = Some(path.length);
+    }
     if let Some(path) = fuse::fused(&path, &disc, budget)?
         && fits(errand, target, legs_of(errand, &path, Rung::Taut), found, budget)?.is_empty()
     {
@@ -216,13 +234,8 @@ fn taut_path(
     budget: &Budget<'_>,
 ) -> Result<Option<TautPath>, Spent> {
     let Planner { taut, radii, .. } = planner;
-    let own = |vertex: u32| radii.iter().find(|(other, _)| *other == vertex).map(|(_, own)| *own);
-    let least = errand.abilities.min_turn_radius;
-    let radius_at = |vertex: u32, point: &Vector<2>| {
-        let radius = disc.radius_at(point).max(least);
-        own(vertex).map_or(radius, |own| own.max(radius))
-    };
-    taut.find(errand.floor, disc, radius_at, radii.is_empty(), budget)
+    let radii = TurnRadii { least: errand.abilities.min_turn_radius, own: radii };
+    taut.find(errand.floor, disc, radii, budget)
 }
 
 /// The legs on which a motion does not keep what is asked for; none if it does.

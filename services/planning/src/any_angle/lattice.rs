@@ -1,8 +1,9 @@
 //! The last rungs of the ladder: turns in place anywhere, and a search over poses.
 //!
 //! [`aligned`] joins places where the robot can turn by straight lines, above all those through
-//! narrow passages. [`search`] knows poses in narrow places too, and arcs. It is complete at its [`Resolution`]. What they find is shortened. Both work in
-//! the frame of the start pose, so that a scene that is moved or turned has the same answer.
+//! narrow passages. [`search`] knows poses in narrow places too, and arcs. It is complete at its
+//! [`Resolution`]. What they find is shortened. Both work in the frame of the start pose, so that a
+//! scene that is moved or turned has the same answer.
 
 use super::Errand;
 use crate::budget::{Budget, Held, Spent};
@@ -58,13 +59,13 @@ const MOST_STEPS: u64 = 20_000_000;
 /// Its least radius, as a part of the footprint's width.
 const LEAST_RADIUS: f64 = 0.5;
 
-/// How finely poses are told apart.
+/// How finely a search over poses tells them apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Resolution {
+pub struct Resolution {
     /// Side of a bin, metres.
-    pub(super) step: f64,
+    pub step: f64,
     /// Headings in a turn.
-    pub(super) headings: usize,
+    pub headings: usize,
 }
 
 /// Memory that is used again from one search to the next.
@@ -93,33 +94,33 @@ impl LatticeMemory {
     }
 }
 
-/// Straight lines between places where the robot can turn. `least` is what every leg keeps from
-/// the walls, metres. The curves lead from the start to the goal; `None` if no such motion is
+/// Straight lines between places where the robot can turn. `kept` is what every leg keeps from
+/// the walls, and beyond which length ways are of no use; metres. The curves lead from the start to the goal; `None` if no such motion is
 /// found.
 pub(super) fn aligned(
     errand: &Errand<'_>,
-    least: f64,
+    kept: (f64, f64),
     memory: &mut LatticeMemory,
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
     if !errand.abilities.turn_in_place {
         return Ok(None);
     }
-    let probe = Probe::new(errand, least, budget);
+    let probe = Probe::new(errand, kept, budget);
     let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
     straight(&probe, COARSE, memory)
 }
 
-/// The search over poses. `least` is what every leg keeps from the walls, metres. The curves lead
-/// from the start to the goal; `None` if there are none at the memory's
-/// [resolution](LatticeMemory::resolution).
+/// The search over poses. `kept` is what every leg keeps from the walls, and beyond which length
+/// ways are of no use; metres. The curves lead from the start to the goal; `None` if there
+/// are none at the memory's [resolution](LatticeMemory::resolution).
 pub(super) fn search(
     errand: &Errand<'_>,
-    least: f64,
+    kept: (f64, f64),
     memory: &mut LatticeMemory,
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    let probe = Probe::new(errand, least, budget);
+    let probe = Probe::new(errand, kept, budget);
     let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
     if errand.abilities.turn_in_place {
         let found = straight(&probe, FINE, memory)?;

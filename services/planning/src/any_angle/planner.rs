@@ -7,6 +7,8 @@ use super::taut::TautSearch;
 #[derive(Debug, Default)]
 pub struct Planner {
     pub(super) taut: TautSearch,
+    /// For bounds, which are of another radius each.
+    pub(super) bounds: TautSearch,
     /// Corners with a radius of their own, metres.
     pub(super) radii: Vec<(u32, f64)>,
     pub(super) lattice: LatticeMemory,
@@ -16,11 +18,12 @@ impl Planner {
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
         let radii = self.radii.capacity() * size_of::<(u32, f64)>();
-        self.taut.bytes() + self.lattice.bytes() + radii
+        self.taut.bytes() + self.bounds.bytes() + self.lattice.bytes() + radii
     }
 
     /// To be called before it is used with another floor.
     pub fn forget(&mut self) {
         self.taut.forget();
+        self.bounds.forget();
     }
 }

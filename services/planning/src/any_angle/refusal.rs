@@ -3,7 +3,7 @@
 use super::disc::{disc_of, distance_to};
 use super::measure::Contact;
 use super::planner::Planner;
-use super::taut::TautPath;
+use super::taut::{TautPath, TurnRadii};
 use super::{Errand, NoMotion, RobotMotion};
 use crate::budget::{Budget, Held, Spent};
 use crate::geometry::Vector;
@@ -45,7 +45,7 @@ pub(super) fn widest(
 ) -> Result<Option<(f64, TautPath)>, Spent> {
     let mut path_of = |radius: f64| {
         let disc = disc_of(errand, radius, budget)?;
-        planner.taut.find(errand.floor, &disc, |_, point| disc.radius_at(point), true, budget)
+        planner.bounds.find(errand.floor, &disc, TurnRadii::DISC, budget)
     };
     let mut low = radius * PRECISION;
     let Some(mut path) = path_of(low)? else { return Ok(None) };
@@ -157,5 +157,5 @@ pub(super) fn blocked(errand: &Errand<'_>, found: &RobotMotion, contact: &Contac
     let turning =
         found.legs.get(contact.leg).is_some_and(|leg| matches!(leg.curve, Curve::Turn { .. }));
     let wall = contact.wall.unwrap_or(errand.start.position);
-    NoMotion::Blocked { wall, turning, reverse_helps: false }
+    NoMotion::Blocked { wall, turning, reverse_helps: false, resolution: None }
 }

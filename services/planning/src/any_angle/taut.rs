@@ -12,8 +12,8 @@
 
 use std::collections::BinaryHeap;
 
-use super::arc_memo::{ArcMemo, CornerArcs};
-use super::disc::{Disc, distance_to, turned};
+use super::arc_memo::{ArcMemos, KnownArcs};
+use super::disc::{Disc, FreeArc, distance_to, turned};
 use super::queue::Queued;
 use super::sight::{Sight, way_through};
 use crate::budget::{Budget, Cap, Held, Spent};
@@ -25,6 +25,9 @@ use crate::geometry::{Vector, rotated, unit};
 
 /// Steps of the budget that looking through a junction takes.
 const STEPS_PER_SIGHT: u64 = 15;
+
+/// So many junctions in a row may be looked through without a look at how far they are.
+const MOST_UNMEASURED: u32 = 8;
 
 /// Turns backwards by no more than this count as none, radians.
 const STRAIGHT: f64 = 1e-9;
@@ -70,6 +73,8 @@ struct TurnRoot {
     before: u32,
     /// Another root with the same vertex and sense.
     same: u32,
+    /// From the end of the line that leads there to the goal, metres.
+    to_goal: f64,
 }
 
 /// What is next.
@@ -77,11 +82,21 @@ struct TurnRoot {
 enum Step {
     /// A look through a junction.
     Look(Sight),
-    /// A line to the circle about a vertex, after this sweep about the root, and where the arc
-    /// ends that it leads to.
-    Turn { vertex: u32, circle: Circle, line: Tangent, sweep: f64, end: Vector<2> },
-    /// A line to the goal.
-    Finish { line: Tangent, sweep: f64 },
+    /// An index of a line to a circle.
+    Turn(u32),
+    /// An index of a line to the goal.
+    Finish(u32),
+}
+
+/// A line to the circle about a vertex, after this sweep about the root, and where the arc ends
+/// that it leads to.
+#[derive(Debug, Clone, Copy)]
+struct TurnStep {
+    vertex: u32,
+    circle: Circle,
+    line: Tangent,
+    sweep: f64,
+    end: Vector<2>,
 }
 
 /// A search in memory that is used again.
@@ -91,13 +106,43 @@ pub(super) struct TautSearch {
     heap: BinaryHeap<Queued>,
     /// Each with its root.
     steps: Vec<(u32, Step)>,
+    turns: Vec<TurnStep>,
+    /// Lines to the goal, each after a sweep about its root.
+    finishes: Vec<(Tangent, f64)>,
     roots: Vec<TurnRoot>,
     /// For each vertex and sense, the last root there.
     last_root: Vec<u32>,
     /// Vertices with roots, to be reset.
     touched: Vec<u32>,
     goal_faces: Vec<u32>,
-    arcs: ArcMemo,
+    arcs: ArcMemos,
+    own_arcs: OwnArcs,
+}
+
+/// Free arcs about corners with radii of their own, for one search.
+#[derive(Debug, Default)]
+struct OwnArcs {
+    /// Vertex, index of the first, and count.
+    at: Vec<(u32, [u32; 2])>,
+    arcs: Vec<FreeArc>,
+}
+
+/// The radii at which a path turns about corners: those of the disc, or larger ones.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TurnRadii<'a> {
+    /// Nowhere less than this, metres.
+    pub(super) least: f64,
+    /// At these vertices no less than this, metres.
+    pub(super) own: &'a [(u32, f64)],
+}
+
+impl TurnRadii<'_> {
+    /// Those of the disc.
+    pub(super) const DISC: Self = Self { least: 0.0, own: &[] };
+
+    fn own(&self, vertex: u32) -> Option<f64> {
+        self.own.iter().find(|(other, _)| *other == vertex).map(|(_, radius)| *radius)
+    }
 }
 
 impl TautSearch {
@@ -105,27 +150,26 @@ impl TautSearch {
     pub(super) fn bytes(&self) -> usize {
         self.heap.capacity() * size_of::<Queued>()
             + self.steps.capacity() * size_of::<(u32, Step)>()
+            + self.turns.capacity() * size_of::<TurnStep>()
+            + self.finishes.capacity() * size_of::<(Tangent, f64)>()
             + self.roots.capacity() * size_of::<TurnRoot>()
             + self.arcs.bytes()
             + (self.last_root.capacity() + self.touched.capacity()) * size_of::<u32>()
     }
 
-    /// The shortest path of a disc from its start to its goal that turns about each corner with
-    /// the radius that `radius_at` says; `None` if there is none.
-    ///
-    /// `is_even`: wherever the disc keeps its radius, that is what `radius_at` says.
+    /// The shortest path of a disc from its start to its goal that turns about corners with these
+    /// radii; `None` if there is none.
     pub(super) fn find(
         &mut self,
         floor: &Floor,
         disc: &Disc<'_>,
-        radius_at: impl Fn(u32, &Vector<2>) -> f64,
-        is_even: bool,
+        radii: TurnRadii<'_>,
         budget: &Budget<'_>,
     ) -> Result<Option<TautPath>, Spent> {
         self.clear(floor);
-        let radius = (is_even && disc.is_even()).then_some(disc.radius);
-        self.arcs.begin(floor.vertex_count(), radius);
-        let mut run = Run { search: self, floor, disc, radius_at, budget };
+        let is_even = disc.is_even() && radii.least <= disc.radius;
+        self.arcs.begin(floor.vertex_count(), is_even.then_some(disc.radius));
+        let mut run = Run { search: self, floor, disc, radii, budget };
         if disc.start == disc.goal {
             return Ok(Some(TautPath { turns: Vec::new(), last: at_rest(disc.goal), length: 0.0 }));
         }
@@ -135,13 +179,17 @@ impl TautSearch {
 
     /// To be called before a search on another floor.
     pub(super) fn forget(&mut self) {
-        self.arcs.radius = None;
+        self.arcs.forget();
     }
 
     fn clear(&mut self, floor: &Floor) {
         self.heap.clear();
         self.roots.clear();
         self.steps.clear();
+        self.turns.clear();
+        self.finishes.clear();
+        self.own_arcs.at.clear();
+        self.own_arcs.arcs.clear();
         for vertex in self.touched.drain(..) {
             self.last_root[2 * vertex as usize] = NONE;
             self.last_root[2 * vertex as usize + 1] = NONE;
@@ -177,15 +225,15 @@ fn at_rest(point: Vector<2>) -> Tangent {
     Tangent { from: point, to: point, direction: Vector::from([1.0, 0.0]), length: 0.0 }
 }
 
-struct Run<'a, R> {
+struct Run<'a> {
     search: &'a mut TautSearch,
     floor: &'a Floor,
     disc: &'a Disc<'a>,
-    radius_at: R,
+    radii: TurnRadii<'a>,
     budget: &'a Budget<'a>,
 }
 
-impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
+impl Run<'_> {
     fn run(&mut self) -> Result<Option<(u32, Tangent, f64)>, Spent> {
         let Self { floor, disc, budget, .. } = *self;
         let mut held = Held::new(budget, 0)?;
@@ -201,6 +249,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             sweep_before: 0.0,
             before: NONE,
             same: NONE,
+            to_goal: (disc.goal - disc.start).norm(),
         });
         for index in faces {
             let face = floor.face(index);
@@ -219,10 +268,12 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             let (root, step) = self.search.steps[next.index];
             match step {
                 Step::Look(sight) => self.look(root, sight)?,
-                Step::Turn { vertex, circle, line, sweep, end } => {
-                    self.turn(root, (vertex, circle), line, sweep, &end)?;
+                Step::Turn(index) => {
+                    let next = self.search.turns[index as usize];
+                    self.turn(root, &next)?;
                 }
-                Step::Finish { line, sweep } => {
+                Step::Finish(index) => {
+                    let (line, sweep) = self.search.finishes[index as usize];
                     if disc.is_clear((&line.from, &line.to), budget)? {
                         return Ok(Some((root, line, sweep)));
                     }
@@ -230,6 +281,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             }
             held.resize(
                 self.search.steps.len() * size_of::<(u32, Step)>()
+                    + self.search.turns.len() * size_of::<TurnStep>()
                     + self.search.roots.len() * size_of::<TurnRoot>(),
             )?;
         }
@@ -240,6 +292,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
     fn look(&mut self, root: u32, sight: Sight) -> Result<(), Spent> {
         let Self { floor, budget, .. } = *self;
         let mut sight = sight;
+        let mut unmeasured = 0;
         loop {
             let center = self.search.roots[root as usize].circle.center;
             let face = floor.face(sight.face);
@@ -253,6 +306,21 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             if sees_apex && self.is_within_reach(&sight, &floor.vertex(sight.apex(face))) {
                 self.offer_turns(root, sight.apex(face))?;
             }
+            // Through the only junction seen, without a look at how far it is.
+            if let [Some(only), None] | [None, Some(only)] = further
+                && unmeasured < MOST_UNMEASURED
+                && sight.narrow == NONE
+            {
+                let mut next = only;
+                self.note_narrow(root, &mut next);
+                if next.narrow == NONE {
+                    unmeasured += 1;
+                    budget.step(STEPS_PER_SIGHT)?;
+                    sight = next;
+                    continue;
+                }
+            }
+            unmeasured = 0;
             // On through the nearer junction, without a detour through the heap.
             let offered = further.map(|sight| {
                 let mut sight = sight?;
@@ -278,15 +346,9 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
 
     /// Takes up a line to a circle, unless a wall is in the way or the circle has been reached
     /// by a way that is as good.
-    fn turn(
-        &mut self,
-        from: u32,
-        (vertex, circle): (u32, Circle),
-        line: Tangent,
-        sweep: f64,
-        end: &Vector<2>,
-    ) -> Result<(), Spent> {
+    fn turn(&mut self, from: u32, next: &TurnStep) -> Result<(), Spent> {
         let Self { floor, disc, budget, .. } = *self;
+        let TurnStep { vertex, circle, line, sweep, end } = *next;
         let length = self.length_to(from, &line, sweep);
         let sense = circle.signed_radius.signum();
         let radius = circle.signed_radius.abs();
@@ -299,7 +361,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         if !disc.is_clear((&line.from, &line.to), budget)? {
             return Ok(());
         }
-        let mut most_sweep = turned(&normal, end, sense).max(0.0);
+        let mut most_sweep = turned(&normal, &end, sense).max(0.0);
         // From where another way joins the circle, that one is shorter.
         let mut other = self.search.last_root[slot];
         while let Some(known) = self.search.roots.get(other as usize) {
@@ -321,6 +383,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             sweep_before: sweep,
             before: from,
             same: search.last_root[slot],
+            to_goal: (disc.goal - line.to).norm(),
         });
         if search.last_root[slot ^ 1] == NONE && search.last_root[slot] == NONE {
             search.touched.push(vertex);
@@ -364,7 +427,12 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
     fn is_beaten(&self, slot: usize, arrival: &Vector<2>, length: f64, sense: f64) -> bool {
         let mut other = self.search.last_root[slot];
         while let Some(known) = self.search.roots.get(other as usize) {
-            let angle = turned(&known.arrival.direction, arrival, sense);
+            other = known.same;
+            let before = &known.arrival.direction;
+            if known.length > length + self.disc.rounding || is_behind(before, arrival, sense) {
+                continue;
+            }
+            let angle = turned(before, arrival, sense);
             let over = known.circle.signed_radius.abs() * angle.max(0.0);
             if angle >= -STRAIGHT
                 && angle <= known.most_sweep + STRAIGHT
@@ -372,7 +440,6 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             {
                 return true;
             }
-            other = known.same;
         }
         false
     }
@@ -382,9 +449,14 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         let floor = self.floor;
         let Some(corner) = floor.corner(vertex) else { return Ok(()) };
         let center = floor.vertex(vertex);
-        let radius = (self.radius_at)(vertex, &center);
-        let (first, count) = self.arcs_of(vertex, corner, (&center, radius))?;
-        if count == 0 {
+        let least = self.disc.radius_at(&center).max(self.radii.least);
+        let own = self.radii.own(vertex).map(|own| own.max(least));
+        let radius = own.unwrap_or(least);
+        let place = match own {
+            Some(_) => self.own_arcs_of(vertex, corner, (&center, radius))?,
+            None => self.arcs_of(vertex, corner, (&center, radius))?,
+        };
+        if place.1 == 0 {
             return Ok(());
         }
         for sense in [1.0, -1.0] {
@@ -392,7 +464,10 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             let from = &self.search.roots[root as usize].circle;
             let Some(line) = tangent(from, &circle) else { continue };
             let normal = contact_normal(&line.direction, sense);
-            let arcs = &self.search.arcs.arcs[first as usize..][..count as usize];
+            let arcs = match own {
+                Some(_) => &self.search.own_arcs.arcs[place.0 as usize..][..place.1 as usize],
+                None => self.search.arcs.front().slice(place),
+            };
             let Some(arc) = arcs.iter().find(|arc| arc.holds(&normal, STRAIGHT)) else { continue };
             let end = arc.ends[usize::from(sense > 0.0)];
             let Some(sweep) = self.sweep_to(root, &line) else { continue };
@@ -401,7 +476,9 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
                 continue;
             }
             let least = length + (self.disc.goal - line.to).norm();
-            self.push(least, root, Step::Turn { vertex, circle, line, sweep, end });
+            let index = self.search.turns.len() as u32;
+            self.search.turns.push(TurnStep { vertex, circle, line, sweep, end });
+            self.push(least, root, Step::Turn(index));
         }
         Ok(())
     }
@@ -413,24 +490,40 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         corner: &Reflex,
         circle: (&Vector<2>, f64),
     ) -> Result<(u32, u32), Spent> {
-        let ArcMemo { search, at, arcs, .. } = &mut self.search.arcs;
-        let known = &mut at[vertex as usize];
-        if known.first == NONE {
-            let first = arcs.len();
-            let before = self.budget.drawn(Cap::Steps);
-            self.disc.free_arcs(circle, &corner.normals, arcs, self.budget)?;
-            let steps = self.budget.drawn(Cap::Steps) - before;
-            *known = CornerArcs {
-                first: first as u32,
-                count: (arcs.len() - first) as u32,
-                steps: u32::try_from(steps).unwrap_or(u32::MAX),
-                search: *search,
-            };
-        } else if known.search != *search {
-            known.search = *search;
-            self.budget.step(u64::from(known.steps))?;
+        let Self { disc, budget, .. } = *self;
+        let memo = self.search.arcs.front();
+        match memo.look_up(vertex) {
+            KnownArcs::Known(first, count, steps) => {
+                budget.step(steps)?;
+                Ok((first, count))
+            }
+            KnownArcs::Unknown => {
+                let first = memo.arcs().len();
+                let before = budget.drawn(Cap::Steps);
+                disc.free_arcs(circle, &corner.normals, memo.arcs(), budget)?;
+                Ok(memo.note(vertex, first, budget.drawn(Cap::Steps) - before))
+            }
         }
-        Ok((known.first, known.count))
+    }
+
+    /// The same about a vertex with a radius of its own.
+    fn own_arcs_of(
+        &mut self,
+        vertex: u32,
+        corner: &Reflex,
+        circle: (&Vector<2>, f64),
+    ) -> Result<(u32, u32), Spent> {
+        let Self { disc, budget, .. } = *self;
+        let OwnArcs { at, arcs } = &mut self.search.own_arcs;
+        budget.step(at.len() as u64)?;
+        if let Some((_, [first, count])) = at.iter().find(|(known, _)| *known == vertex) {
+            return Ok((*first, *count));
+        }
+        let first = arcs.len() as u32;
+        disc.free_arcs(circle, &corner.normals, arcs, budget)?;
+        let count = arcs.len() as u32 - first;
+        at.push((vertex, [first, count]));
+        Ok((first, count))
     }
 
     fn offer_goal(&mut self, root: u32) {
@@ -440,7 +533,9 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             && let Some(sweep) = self.sweep_to(root, &line)
         {
             let least = self.length_to(root, &line, sweep);
-            self.push(least, root, Step::Finish { line, sweep });
+            let index = self.search.finishes.len() as u32;
+            self.search.finishes.push((line, sweep));
+            self.push(least, root, Step::Finish(index));
         }
     }
 
@@ -458,6 +553,25 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             || (self.floor.vertex(sight.narrow) - point).norm() <= 5.0 * self.disc.radius
     }
 
+    /// Notes that a junction is too narrow for the disc, unless the root is beside it.
+    fn note_narrow(&self, root: u32, sight: &mut Sight) {
+        let most = self.disc.radius;
+        let ends = sight.ends(self.floor.face(sight.face));
+        let [right, left] = ends.map(|end| self.floor.vertex(end));
+        let width = (left - right).norm_squared();
+        if width < 4.0 * most * most
+            && width.sqrt()
+                < self.disc.radius_at(&right) + self.disc.radius_at(&left)
+                    - 2.0 * self.disc.rounding
+            && distance_to(
+                &Wall { from: right, to: left },
+                &self.search.roots[root as usize].circle.center,
+            ) >= 3.0 * most
+        {
+            sight.narrow = ends[0];
+        }
+    }
+
     /// No path from a root on through what is seen is shorter; `None` if none leads there.
     fn least(&self, index: u32, sight: &mut Sight) -> Option<f64> {
         let root = &self.search.roots[index as usize];
@@ -465,17 +579,7 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         let window = sight.window(self.floor, &center);
         let most = self.disc.radius;
         if sight.narrow == NONE {
-            let ends = sight.ends(self.floor.face(sight.face));
-            let [right, left] = ends.map(|end| self.floor.vertex(end));
-            let width = (left - right).norm();
-            if width < 2.0 * most
-                && width
-                    < self.disc.radius_at(&right) + self.disc.radius_at(&left)
-                        - 2.0 * self.disc.rounding
-                && distance_to(&Wall { from: right, to: left }, &center) >= 3.0 * most
-            {
-                sight.narrow = ends[0];
-            }
+            self.note_narrow(index, sight);
         } else {
             let near = self.floor.vertex(sight.narrow);
             if distance_to(&Wall { from: window[0], to: window[1] }, &near) > 5.0 * most {
@@ -500,15 +604,11 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         }
         let goal = &self.disc.goal;
         // The line goes from circle to circle, not from centre to centre: at the same part of
-        // both, it is up to a radius beside the window, at a right angle, and it is shorter if it
-        // leads to the other side.
-        let apart = distance_to(&Wall { from: window[0], to: window[1] }, &center);
-        let across = own.abs() + most;
-        let inner = apart.max(across);
-        let shorter = most + (inner - (inner * inner - across * across).sqrt());
-        let way =
-            (way_through(&center, &window, goal) - shorter).max((goal - root.arrival.to).norm());
-        Some(root.length + way)
+        // both, it is up to a radius beside the window, at a right angle, and it is shorter by at
+        // most both radii if it leads to the other side.
+        let shorter = 2.0 * most + own.abs();
+        let way = way_through(&center, &window, goal) - shorter;
+        Some(root.length + way.max(root.to_goal))
     }
 
     fn push(&mut self, least: f64, root: u32, step: Step) {
@@ -524,6 +624,9 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
             return Some(0.0);
         }
         let sense = root.circle.signed_radius.signum();
+        if is_behind(&root.arrival.direction, &line.direction, sense) {
+            return None;
+        }
         let sweep = turned(&root.arrival.direction, &line.direction, sense);
         (sweep >= -STRAIGHT && sweep <= root.most_sweep + STRAIGHT).then_some(sweep.max(0.0))
     }
@@ -533,6 +636,11 @@ impl<R: Fn(u32, &Vector<2>) -> f64> Run<'_, R> {
         let root = &self.search.roots[index as usize];
         root.length + root.circle.signed_radius.abs() * sweep + line.length
     }
+}
+
+/// Whether one direction is reached from another by a turn backwards, certainly.
+fn is_behind(from: &Vector<2>, to: &Vector<2>, sense: f64) -> bool {
+    sense * cross(from, to) < -2.0 * STRAIGHT
 }
 
 fn slot(vertex: u32, sense: f64) -> usize {

@@ -94,6 +94,31 @@ impl Floor {
             + self.corners.capacity() * size_of::<Option<Reflex>>()
     }
 
+    /// Calls `each` with the other end of every wall that ends at a vertex.
+    pub(crate) fn walls_at(&self, vertex: u32, mut each: impl FnMut(u32)) {
+        let first = self.face_at[vertex as usize];
+        if first == NONE {
+            return;
+        }
+        // Around the vertex to the left; where all there is ends, the rest to the right.
+        for turn in [2, 0] {
+            let mut index = first;
+            loop {
+                let face = self.face(index);
+                let Some(at) = face.index_of(vertex) else { return };
+                let side = (at + turn) % 3;
+                if face.is_wall[side] {
+                    each(face.vertices[(at + if turn == 2 { 2 } else { 1 }) % 3]);
+                }
+                match face.across[side] {
+                    next if next == first => return,
+                    NONE => break,
+                    next => index = next,
+                }
+            }
+        }
+    }
+
     /// The triangles, as their corners in metres; free or not.
     pub fn triangles(&self) -> impl Iterator<Item = [Vector<2>; 3]> + '_ {
         self.faces.iter().map(|face| face.vertices.map(|vertex| self.vertex(vertex)))

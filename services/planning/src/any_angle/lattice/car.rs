@@ -110,7 +110,7 @@ pub(super) fn explore(
         if until_shot == 0 {
             search.shoot(index, &node)?;
             // The nearer the goal, the more often.
-            until_shot = (search.way_left(&node.place.at) / (4.0 * size)) as u32;
+            until_shot = (search.way_left(&node.place.at) / (4.0 * size) + 1e-6) as u32;
         } else {
             until_shot -= 1;
         }

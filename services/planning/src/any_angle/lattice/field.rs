@@ -117,6 +117,12 @@ impl Field {
         for point in ends.map(|end| probe.in_frame(end)).chain([probe.goal]) {
             (low, high) = (low.inf(&point), high.sup(&point));
         }
+        // No way that is short enough leads beyond.
+        let center = probe.goal / 2.0;
+        let reach = Vector::repeat(DETOUR * probe.most_length / 2.0);
+        if probe.most_length.is_finite() {
+            (low, high) = (low.sup(&(center - reach)), high.inf(&(center + reach)));
+        }
         let step = probe.errand.footprint.width() / CELLS_PER_WIDTH;
         let margin = Vector::repeat(2.0 * probe.swing + 2.0 * step);
         (low, high) = (low - margin, high + margin);
@@ -183,6 +189,8 @@ impl Field {
             }
         }
         let mut most = f64::INFINITY;
+        // Ways on the grid are longer, and end in the middle of cells.
+        let longest = DETOUR * probe.most_length + 4.0 * self.step;
         while let Some(Queued { least: way, index: cell }) = self.heap.pop() {
             if way > self.to_goal[cell] {
                 continue;
@@ -199,7 +207,9 @@ impl Field {
             for (right, up, length) in MOVES {
                 let Some(next) = self.cell_at([x + right, y + up]) else { continue };
                 let further = way + length * self.step;
-                if further >= self.to_goal[next] {
+                if further >= self.to_goal[next]
+                    || further + self.middle(next).norm() > longest
+                {
                     continue;
                 }
                 let there = self.clear(probe, next)?;

@@ -92,25 +92,28 @@ pub(super) fn find(
                 let foot = apart.dot(&along);
                 let across = apart - along * foot;
                 let gap = across.norm();
-                if 0.0 < foot && foot < length && probe.width() < gap && gap < wide {
+                let inside = SAME * length..(1.0 - SAME) * length;
+                if inside.contains(&foot) && probe.width() < gap && gap < wide {
                     offer(from + along * foot + across / 2.0, &[along]);
                 }
             } else if face.across[side] > index
                 && face.across[side] != NONE
                 && probe.width() < length
                 && length < wide
+                && is_narrowest(probe, (face, index, side))
             {
                 let middle = from + way / 2.0;
                 let along = way / length;
                 offer(middle, &[Vector::<2>::new(-along.y, along.x)]);
-                for beside in [face, floor.face(face.across[side])] {
-                    let directions = wall_directions(probe, beside);
-                    for direction in directions.into_iter().flatten() {
+                for end in [face.vertices[side], face.vertices[(side + 1) % 3]] {
+                    let at = probe.in_frame(&floor.vertex(end));
+                    floor.walls_at(end, |other| {
+                        let direction = (probe.in_frame(&floor.vertex(other)) - at).normalize();
                         // Along the gap it does not lead through.
                         if direction.dot(&along).abs() < 0.9 {
                             offer(middle, &[direction]);
                         }
-                    }
+                    });
                 }
             }
         }
@@ -128,15 +131,16 @@ pub(super) fn find(
     Ok(())
 }
 
-fn wall_directions(probe: &Probe<'_>, face: &Face) -> [Option<Vector<2>>; 3] {
+/// Whether no vertex is in the circle about an edge, nor on it: the edge is the narrowest place
+/// there, and an edge of every such triangulation.
+fn is_narrowest(probe: &Probe<'_>, (face, index, side): (&Face, u32, usize)) -> bool {
     let floor = probe.errand.floor;
-    let mut directions = [None; 3];
-    for (side, direction) in directions.iter_mut().enumerate() {
-        if face.is_wall[side] {
-            let ends = [side, (side + 1) % 3].map(|end| floor.vertex(face.vertices[end]));
-            let [from, to] = ends.map(|end| probe.in_frame(&end));
-            *direction = Some((to - from).normalize());
-        }
-    }
-    directions
+    let ends = [side, (side + 1) % 3].map(|at| floor.vertex(face.vertices[at]));
+    let square = (ends[1] - ends[0]).norm_squared();
+    let other = floor.face(face.across[side]);
+    let Some(back) = other.edge_to(index) else { return false };
+    [face.vertices[(side + 2) % 3], other.vertices[(back + 2) % 3]].into_iter().all(|apex| {
+        let apex = floor.vertex(apex);
+        (ends[0] - apex).dot(&(ends[1] - apex)) > SAME * square
+    })
 }

@@ -31,6 +31,8 @@ pub(super) struct Probe<'a> {
     pub(super) inner: f64,
     /// Where the goal is, metres.
     pub(super) goal: Vector<2>,
+    /// Ways longer than this are of no use, metres.
+    pub(super) most_length: f64,
     /// The heading at the goal, radians.
     pub(super) goal_heading: Option<f64>,
     /// The start's heading.
@@ -38,7 +40,12 @@ pub(super) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(errand: &'a Errand<'a>, least: f64, budget: &'a Budget<'a>) -> Self {
+    /// `least` is what every motion keeps from the walls, metres; see `most_length`.
+    pub(super) fn new(
+        errand: &'a Errand<'a>,
+        (least, most_length): (f64, f64),
+        budget: &'a Budget<'a>,
+    ) -> Self {
         let Errand { footprint, start, goal, .. } = errand;
         let rounding = position_rounding(&start.position, &goal.position);
         let needs = least.max(CONTACT) + 2.0 * rounding;
@@ -50,6 +57,7 @@ impl<'a> Probe<'a> {
             needs,
             swing: footprint.swing_radius() + needs + rounding,
             inner: half.min(footprint.front()).min(footprint.rear()) + needs,
+            most_length,
             goal: unrotated(&(goal.position - start.position), &axis),
             goal_heading: goal.heading.map(|heading| wrapped(heading - start.heading)),
             axis,

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::scene::{Room, floor, rooms};
 use crate::any_angle::disc::{Disc, distance_to};
-use crate::any_angle::taut::{TautPath, TautSearch};
+use crate::any_angle::taut::{TautPath, TautSearch, TurnRadii};
 use crate::budget::Budget;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::walls::Walls;
@@ -102,7 +102,7 @@ fn find(walls: &Walls<2>, radius: f64, start: Vector<2>, goal: Vector<2>) -> Opt
     let budget = Budget::default();
     let disc = Disc::new(radius, [start, goal], (walls, floor.rounding()), &budget).unwrap();
     let mut search = TautSearch::default();
-    search.find(&floor, &disc, |_, point| disc.radius_at(point), true, &budget).unwrap()
+    search.find(&floor, &disc, TurnRadii::DISC, &budget).unwrap()
 }
 
 fn points() -> impl Strategy<Value = [[f64; 2]; 2]> {
