@@ -81,6 +81,7 @@ fn dependencies_run_one_way() {
         ("fuzz-targets", vec!["schemas", "answer", "recording", "floor-plan"]),
         // Tests know everything.
         ("schema-tests", vec!["answer", "schemas"]),
+        ("peers", vec!["answer", "floor-plan", "schemas"]),
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
     ]
     .into();

@@ -67,7 +67,11 @@ pub fn measure(path: &Path, pairs: usize, gap: f64) -> Result<Figures, Box<dyn s
             FreeSpace { named: Some(name), ..FreeSpace::default() }
         };
         let (time, is_refused) = answer(&mut workspace, &scene);
-        if index == 0 { first = time } else { further.push(time) }
+        if index == 0 {
+            first = time
+        } else {
+            further.push(time)
+        }
         if is_refused {
             refused.push([start, goal]);
         }

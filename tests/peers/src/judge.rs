@@ -104,7 +104,9 @@ fn faults(scene: &Scene, trajectory: &Trajectory) -> Vec<String> {
         let rectangle = Rectangle::new(pose, scene.footprint, 0.0);
         let distance = walls.distance(&rectangle, clearance + 4.0 * scene.spacing());
         nearest = nearest.min(distance);
-        fault(!(distance > 0.0 && scene.is_free([x, y])), &|| format!("touches a wall at {pose:?}"));
+        fault(!(distance > 0.0 && scene.is_free([x, y])), &|| {
+            format!("touches a wall at {pose:?}")
+        });
         fault(distance < clearance - 1e-9, &|| {
             format!("is {distance} from a wall at {pose:?}, clearance {clearance}")
         });
@@ -112,7 +114,9 @@ fn faults(scene: &Scene, trajectory: &Trajectory) -> Vec<String> {
             let step = between([before.position[0], before.position[1]], [x, y]);
             let drift = wrapped(sample.heading - before.heading).abs();
             fault(sample.t <= before.t, &|| format!("time stands still at {}", sample.t));
-            fault(norm(step) > 1.1 * scene.spacing(), &|| format!("jumps by {} m at {pose:?}", norm(step)));
+            fault(norm(step) > 1.1 * scene.spacing(), &|| {
+                format!("jumps by {} m at {pose:?}", norm(step))
+            });
             // Along the heading, or against it.
             let (ahead, side) = (direction(before.heading + drift / 2.0), norm(step));
             let forwards = step[0] * ahead[0] + step[1] * ahead[1];
@@ -122,12 +126,12 @@ fn faults(scene: &Scene, trajectory: &Trajectory) -> Vec<String> {
         }
         before = Some(sample);
     }
-    fault(nearest > clearance + 2.0 * scene.spacing(), &|| format!("clearance {clearance}, but {nearest} seen"));
+    fault(nearest > clearance + 2.0 * scene.spacing(), &|| {
+        format!("clearance {clearance}, but {nearest} seen")
+    });
     let ends = [trajectory.samples.first(), trajectory.samples.last()];
-    let wanted = [
-        (scene.start.position, Some(scene.start.heading)),
-        (scene.goal, scene.goal_heading),
-    ];
+    let wanted =
+        [(scene.start.position, Some(scene.start.heading)), (scene.goal, scene.goal_heading)];
     for (sample, (position, heading)) in ends.into_iter().zip(wanted) {
         let Some(sample) = sample else {
             fault(true, &|| "no samples".to_owned());

@@ -62,8 +62,22 @@ pub fn length(way: &[Piece]) -> f64 {
 
 /// The sixteen headings' grid vectors, counter-clockwise.
 const STEPS: [[i32; 2]; 16] = [
-    [1, 0], [2, 1], [1, 1], [1, 2], [0, 1], [-1, 2], [-1, 1], [-2, 1],
-    [-1, 0], [-2, -1], [-1, -1], [-1, -2], [0, -1], [1, -2], [1, -1], [2, -1],
+    [1, 0],
+    [2, 1],
+    [1, 1],
+    [1, 2],
+    [0, 1],
+    [-1, 2],
+    [-1, 1],
+    [-2, 1],
+    [-1, 0],
+    [-2, -1],
+    [-1, -1],
+    [-1, -2],
+    [0, -1],
+    [1, -2],
+    [1, -1],
+    [2, -1],
 ];
 
 /// A turn in place is tested at steps of this angle, radians.
@@ -162,7 +176,9 @@ impl Search<'_> {
                     let can = if to_goal < 1e-9 {
                         self.arrives(has)
                     } else {
-                        self.drives(&piece) && self.turns(position, has, wants) && self.arrives(wants)
+                        self.drives(&piece)
+                            && self.turns(position, has, wants)
+                            && self.arrives(wants)
                     };
                     if can {
                         end = Some((cost + to_goal, node, *reverse));
@@ -186,7 +202,8 @@ impl Search<'_> {
                 continue;
             };
             for next in [(index + 1) % 16, (index + 15) % 16] {
-                if self.sweeps(position, headings[index], wrapped(headings[next] - headings[index])) {
+                if self.sweeps(position, headings[index], wrapped(headings[next] - headings[index]))
+                {
                     try_next((node.0, Some(next)), cost + 1e-6, (node, false));
                 }
             }

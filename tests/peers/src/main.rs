@@ -103,7 +103,14 @@ fn floor_plans(arguments: &FloorPlans) -> Result<(), Box<dyn Error>> {
         }
     }
     let mut table = table(&[
-        "map", "cells", "corners", "read, ms", "answered, ms", "p50, ms", "p99, ms", "max, ms",
+        "map",
+        "cells",
+        "corners",
+        "read, ms",
+        "answered, ms",
+        "p50, ms",
+        "p99, ms",
+        "max, ms",
         "refused",
     ]);
     for map in maps {
@@ -183,7 +190,10 @@ fn run(kind: Kind, arguments: &Arguments) -> io::Result<Vec<Cell>> {
                         writeln!(
                             io::stderr(),
                             "{name}: {:.3} m by {}, bound {:.3}, turned {:.2}; peer {peer:.3} m",
-                            drive.length, drive.rungs.join("+"), drive.bound, drive.turned,
+                            drive.length,
+                            drive.rungs.join("+"),
+                            drive.bound,
+                            drive.turned,
                         )?;
                     }
                 }

@@ -30,7 +30,8 @@ impl Walls {
         }
         let bucket = (max[0] - min[0]).max(max[1] - min[1]) / BUCKETS;
         let size = [0, 1].map(|axis| ((max[axis] - min[axis]) / bucket) as usize + 1);
-        let mut made = Self { walls, min, bucket, size, buckets: vec![Vec::new(); size[0] * size[1]] };
+        let mut made =
+            Self { walls, min, bucket, size, buckets: vec![Vec::new(); size[0] * size[1]] };
         for index in 0..made.walls.len() {
             let [a, b] = made.walls[index];
             let low = [a[0].min(b[0]), a[1].min(b[1])];
@@ -132,9 +133,8 @@ impl Rectangle {
             return 0.0;
         }
         let [a, b] = wall.map(|point| self.local(point));
-        let outside = |point: Point| {
-            norm([0, 1].map(|axis| (point[axis].abs() - self.half[axis]).max(0.0)))
-        };
+        let outside =
+            |point: Point| norm([0, 1].map(|axis| (point[axis].abs() - self.half[axis]).max(0.0)));
         let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]
             .map(|sign| [sign[0] * self.half[0], sign[1] * self.half[1]]);
         let from_corners = corners.map(|corner| point_to_segment(corner, [a, b]));

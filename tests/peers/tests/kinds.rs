@@ -118,7 +118,9 @@ fn rotation_origin_and_unit_do_not_matter() {
             for (angle, scale, offset) in places {
                 let (other, _) = ask(&placed(&scene, angle, scale, offset), scale * GAP);
                 let says = || {
-                    format!("{kind:?} {number} at {angle} x {scale} + {offset:?}: {own:?} {other:?}")
+                    format!(
+                        "{kind:?} {number} at {angle} x {scale} + {offset:?}: {own:?} {other:?}"
+                    )
                 };
                 match (&own, &other) {
                     (Ok(own), Ok(other)) => {

@@ -46,8 +46,7 @@ pub(super) fn shortest(
 ) -> Result<(), NoMotion> {
     let taut = one_way(errand, target, planner, found, budget);
     let taut_length = found.taut_length;
-    let mut best =
-        Best { cost: f64::INFINITY, motion: None, taut_length, is_cut_short: false };
+    let mut best = Best { cost: f64::INFINITY, motion: None, taut_length, is_cut_short: false };
     let blocked = match taut {
         Ok(is_taut) => {
             best.offer(errand, found);
@@ -179,7 +178,9 @@ fn poses(
     let all = [target.gap, 0.0];
     let leasts = if target.least.is_some() || most.is_finite() { &all[..1] } else { &all[..] };
     for least in leasts.iter().copied() {
-        let Some(curves) = search(errand, (least, most), &mut planner.lattice, budget)? else { continue };
+        let Some(curves) = search(errand, (least, most), &mut planner.lattice, budget)? else {
+            continue;
+        };
         let is_reverse = curves.iter().any(Curve::is_reverse);
         let rung = if is_reverse && rung == Rung::Aligned { Rung::Reverse } else { rung };
         let leg = |curve| Leg { curve, junction: None, rule: None, rung: Some(rung) };

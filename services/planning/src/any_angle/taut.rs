@@ -22,38 +22,17 @@ use crate::free_space::floor::{Floor, NONE, Reflex};
 use crate::free_space::walls::Wall;
 use crate::geometry::distance::cross;
 use crate::geometry::{Vector, rotated, unit};
+use path::{STRAIGHT, at_rest, contact_normal, is_behind};
+
+mod path;
+
+pub(super) use path::{TautPath, TautTurn, TurnRadii};
 
 /// Steps of the budget that looking through a junction takes.
 const STEPS_PER_SIGHT: u64 = 15;
 
 /// So many junctions in a row may be looked through without a look at how far they are.
 const MOST_UNMEASURED: u32 = 8;
-
-/// Turns backwards by no more than this count as none, radians.
-const STRAIGHT: f64 = 1e-9;
-
-/// A path of straight lines and arcs: a line to each circle, an arc around it, and a last line.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct TautPath {
-    /// The circles in travel order, with the line that leads to each.
-    pub(super) turns: Vec<TautTurn>,
-    /// The line to the goal.
-    pub(super) last: Tangent,
-    /// Metres.
-    pub(super) length: f64,
-}
-
-/// A circle that the path runs around.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TautTurn {
-    /// The vertex of the floor at its centre.
-    pub(super) vertex: u32,
-    pub(super) circle: Circle,
-    /// The line that leads to it.
-    pub(super) arrival: Tangent,
-    /// The angle run around it, radians, in the sense of the circle.
-    pub(super) sweep: f64,
-}
 
 /// Where the next line leaves from.
 #[derive(Debug, Clone, Copy)]
@@ -125,24 +104,6 @@ struct OwnArcs {
     /// Vertex, index of the first, and count.
     at: Vec<(u32, [u32; 2])>,
     arcs: Vec<FreeArc>,
-}
-
-/// The radii at which a path turns about corners: those of the disc, or larger ones.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TurnRadii<'a> {
-    /// Nowhere less than this, metres.
-    pub(super) least: f64,
-    /// At these vertices no less than this, metres.
-    pub(super) own: &'a [(u32, f64)],
-}
-
-impl TurnRadii<'_> {
-    /// Those of the disc.
-    pub(super) const DISC: Self = Self { least: 0.0, own: &[] };
-
-    fn own(&self, vertex: u32) -> Option<f64> {
-        self.own.iter().find(|(other, _)| *other == vertex).map(|(_, radius)| *radius)
-    }
 }
 
 impl TautSearch {
@@ -218,11 +179,6 @@ impl TautSearch {
         turns.reverse();
         TautPath { turns, last, length }
     }
-}
-
-/// A line of no length.
-fn at_rest(point: Vector<2>) -> Tangent {
-    Tangent { from: point, to: point, direction: Vector::from([1.0, 0.0]), length: 0.0 }
 }
 
 struct Run<'a> {
@@ -450,7 +406,7 @@ impl Run<'_> {
         let Some(corner) = floor.corner(vertex) else { return Ok(()) };
         let center = floor.vertex(vertex);
         let least = self.disc.radius_at(&center).max(self.radii.least);
-        let own = self.radii.own(vertex).map(|own| own.max(least));
+        let own = self.radii.own_at(vertex).map(|own| own.max(least));
         let radius = own.unwrap_or(least);
         let place = match own {
             Some(_) => self.own_arcs_of(vertex, corner, (&center, radius))?,
@@ -638,16 +594,6 @@ impl Run<'_> {
     }
 }
 
-/// Whether one direction is reached from another by a turn backwards, certainly.
-fn is_behind(from: &Vector<2>, to: &Vector<2>, sense: f64) -> bool {
-    sense * cross(from, to) < -2.0 * STRAIGHT
-}
-
 fn slot(vertex: u32, sense: f64) -> usize {
     2 * vertex as usize + usize::from(sense < 0.0)
-}
-
-/// The direction from the corner that is touched to the centre of a disc that arrives.
-fn contact_normal(direction: &Vector<2>, sense: f64) -> Vector<2> {
-    Vector::<2>::new(sense * direction.y, -sense * direction.x)
 }

@@ -207,9 +207,7 @@ impl Field {
             for (right, up, length) in MOVES {
                 let Some(next) = self.cell_at([x + right, y + up]) else { continue };
                 let further = way + length * self.step;
-                if further >= self.to_goal[next]
-                    || further + self.middle(next).norm() > longest
-                {
+                if further >= self.to_goal[next] || further + self.middle(next).norm() > longest {
                     continue;
                 }
                 let there = self.clear(probe, next)?;
