@@ -57,6 +57,7 @@ use cache::Cache;
 use driving::Driving;
 use parts::{Collect, Parts};
 use sink::{AnySink, SinkFailed, with_any_sink};
+use stop::Watched;
 use uploads::Uploads;
 use wish::Wishes;
 
@@ -170,17 +171,34 @@ impl Workspace {
         stop: &StopFlag,
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        with_any_sink(sink, |sink| self.answer_any(header, cells, stop, sink))
+        self.answer_while(header, cells, (stop, &|| true), sink)
+    }
+
+    /// The same as long as somebody wants the reply: when `is_wanted` says no, `stop` is set. It is
+    /// asked several times in a millisecond.
+    ///
+    /// # Errors
+    ///
+    /// The sink's, if it does not take a part.
+    pub fn answer_while<S: PartSink>(
+        &mut self,
+        header: &wire::RequestHeader,
+        cells: &[u64],
+        (stop, is_wanted): (&StopFlag, &dyn Fn() -> bool),
+        sink: &mut S,
+    ) -> Result<(), S::Error> {
+        let watched = Watched::new(stop, is_wanted);
+        with_any_sink(sink, |sink| self.answer_any(header, cells, (stop, &watched), sink))
     }
 
     fn answer_any(
         &mut self,
         header: &wire::RequestHeader,
         cells: &[u64],
-        stop: &StopFlag,
+        (stop, watched): (&StopFlag, &Watched<'_>),
         sink: &mut AnySink<'_>,
     ) -> Result<(), SinkFailed> {
-        let budget = Budget::with_stop(self.caps.limits(), stop.flag());
+        let budget = Budget::with_stop(self.caps.limits(), watched);
         let answered = self.try_answer(header, cells, &budget, stop, sink);
         self.end_request();
         match answered {

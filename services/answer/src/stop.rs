@@ -1,6 +1,14 @@
 //! How a process ends a request before it is answered.
 
+use std::cell::Cell;
+use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering, fence};
+
+use planning::budget::StopSignal;
+
+/// The client is looked for once in so many looks at the flag, which are 1,024 steps apart: several
+/// times in a millisecond.
+const LOOKS_PER_CLIENT: u32 = 16;
 
 /// Why a process ends a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,9 +64,36 @@ impl StopFlag {
         StopReason::ALL.get(place).copied()
     }
 
-    /// What the budget looks at.
-    pub(crate) fn flag(&self) -> &AtomicBool {
-        &self.stopped
+}
+
+/// What the budget of a request looks at: the flag, and now and then whether anybody still waits for
+/// the reply.
+pub(crate) struct Watched<'a> {
+    stop: &'a StopFlag,
+    is_wanted: &'a dyn Fn() -> bool,
+    looks: Cell<u32>,
+}
+
+impl<'a> Watched<'a> {
+    pub(crate) fn new(stop: &'a StopFlag, is_wanted: &'a dyn Fn() -> bool) -> Self {
+        Self { stop, is_wanted, looks: Cell::new(0) }
+    }
+}
+
+impl fmt::Debug for Watched<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Watched").field("stop", self.stop).finish_non_exhaustive()
+    }
+}
+
+impl StopSignal for Watched<'_> {
+    fn is_set(&self) -> bool {
+        let looks = self.looks.get().wrapping_add(1);
+        self.looks.set(looks);
+        if looks.is_multiple_of(LOOKS_PER_CLIENT) && !(self.is_wanted)() {
+            self.stop.stop(StopReason::ClientLeft);
+        }
+        self.stop.stopped.load(Ordering::Relaxed)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A request is stopped while it is being answered.
 
+use std::cell::Cell;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -154,4 +155,21 @@ fn request_stopped_beforehand_is_refused_as_a_whole() {
         assert_eq!(codes(&sink.parts), [Some(code)]);
         assert_eq!((sink.parts[0].answers, sink.parts[0].last), (0, true));
     }
+}
+
+/// A client that has left is noticed while the request is planned, not with the next part only.
+#[test]
+fn what_nobody_wants_is_not_planned() {
+    let mut cells = Vec::new();
+    let header = write_scene(&pillars(10_000), RequestKey::default(), 0, &mut cells).unwrap();
+    let asked = Cell::new(0);
+    let is_wanted = || {
+        asked.set(asked.get() + 1);
+        asked.get() < 3
+    };
+    let (flag, mut sink) = (StopFlag::new(), Parts::default());
+    endless().answer_while(&header, &cells, (&flag, &is_wanted), &mut sink).unwrap();
+    assert_eq!(flag.reason(), Some(StopReason::ClientLeft));
+    let found = codes(&sink.parts).iter().filter(|code| code.is_none()).count();
+    assert!(found < 100, "{found} answers were found");
 }

@@ -44,6 +44,6 @@ pub use error::{CallError, ConnectError, OpenError, ReplyError};
 pub use log::forward_to_tracing;
 pub use options::{ReplyOptions, ServerOptions};
 pub use ports::most_memory;
-pub use server::{Incoming, ReplySink, Server};
+pub use server::{ClientWatch, Incoming, ReplySink, Server};
 pub use tap::{TapEvent, TapMessage, TapReader};
 pub use wait::{Wait, Woken, terminated, termination_signal};

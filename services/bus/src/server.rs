@@ -3,9 +3,9 @@
 mod reply;
 mod ringer;
 
-pub use reply::{Incoming, ReplySink};
+pub use reply::{ClientWatch, Incoming, ReplySink};
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::{Node, ipc};
@@ -20,7 +20,7 @@ use crate::ports::{self, PlanRequest, PlanServer};
 use crate::previous::Previous;
 use crate::tap::TapWriter;
 use crate::wait::{self, Wait, Woken};
-use reply::{Active, Desk, Scratch};
+use reply::{Active, Desk, SWEEP, Scratch};
 use ringer::Ringer;
 
 /// Takes requests and answers them, in the current and the previous version of the messages.
@@ -71,9 +71,6 @@ pub struct Server {
     swept: Instant,
     _tidy: Tidy,
 }
-
-/// How often an idle planner looks for peers that died: about 0.1 ms for each that lives.
-const SWEEP: Duration = Duration::from_secs(1);
 
 impl Server {
     /// Opens the planner's side of a domain.
@@ -149,7 +146,7 @@ impl Server {
         }?;
         self.previous_first = matches!(active, Active::Current(_));
         self.desk.tap.request(&active.header(), active.payload());
-        Some(Incoming { active, desk: &mut self.desk })
+        Some(Incoming { active, desk: &mut self.desk, node: &self.node })
     }
 
     /// Waits for a request or for a signal to end, at most [`wait::NET`].

@@ -88,7 +88,7 @@ impl Memory<'_> {
             Ok(()) => incoming.copy(&mut self.cells),
             Err(_) => incoming.header(),
         };
-        let mut sink = incoming.reply();
+        let (mut sink, client) = incoming.reply_to_client();
         let sent = if let Err(refusal) = readable {
             Workspace::refuse(&header, &refusal, &mut sink)
         } else {
@@ -98,7 +98,10 @@ impl Memory<'_> {
             let Self { workspace, cells, stop, watchdog, .. } = self;
             let answered = watchdog.watch(stop, deadline(&header), |stop| {
                 // A defect in planning must not take the service with it.
-                catch_unwind(AssertUnwindSafe(|| workspace.answer(&header, cells, stop, &mut sink)))
+                catch_unwind(AssertUnwindSafe(|| {
+                    let is_wanted = || client.is_waiting();
+                    workspace.answer_while(&header, cells, (stop, &is_wanted), &mut sink)
+                }))
             });
             answered.unwrap_or_else(|_| {
                 self.workspace = new_workspace(self.config);

@@ -129,7 +129,7 @@ pub struct Budget<'a> {
     drawn: [Cell<u64>; Cap::COUNT],
     /// The most bytes held at a time since the last [`Budget::measure`] began.
     peak: Cell<u64>,
-    stop: Option<&'a AtomicBool>,
+    stop: Option<&'a dyn StopSignal>,
     /// Steps at which the flag is looked at next.
     next_look: Cell<u64>,
 }
@@ -184,6 +184,18 @@ impl Drop for Held<'_> {
 /// Steps between two looks at the stop flag.
 const STEPS_PER_LOOK: u64 = 1 << 10;
 
+/// What ends a request from outside. It is looked at once in so many steps.
+pub trait StopSignal: std::fmt::Debug {
+    /// Whether the request is to end.
+    fn is_set(&self) -> bool;
+}
+
+impl StopSignal for AtomicBool {
+    fn is_set(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}
+
 impl Default for Budget<'_> {
     fn default() -> Self {
         Self::new(Allowance::NONE)
@@ -203,7 +215,7 @@ impl<'a> Budget<'a> {
     }
 
     /// A whole budget that ends when `stop` is set.
-    pub fn with_stop(limits: Allowance, stop: &'a AtomicBool) -> Self {
+    pub fn with_stop(limits: Allowance, stop: &'a dyn StopSignal) -> Self {
         Self { stop: Some(stop), ..Self::new(limits) }
     }
 
@@ -311,7 +323,7 @@ impl<'a> Budget<'a> {
         if steps > most {
             return Err(Spent::Limit { cap: Cap::Steps, most });
         }
-        if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+        if self.stop.is_some_and(StopSignal::is_set) {
             return Err(Spent::Stopped);
         }
         // Whatever comes first: the limit, or the next look at the flag.

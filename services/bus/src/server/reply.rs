@@ -1,8 +1,10 @@
 //! A request being answered: streaming its reply into shared memory.
 
-use std::time::Duration;
+use std::cell::Cell;
+use std::time::{Duration, Instant};
 
 use iceoryx2::port::SendError;
+use iceoryx2::prelude::{Node, ipc};
 use schemas::convert::{CellWriter, PartSink};
 use schemas::wire::{self, previous};
 
@@ -68,6 +70,7 @@ pub(super) struct Desk {
 pub struct Incoming<'a> {
     pub(super) active: Active,
     pub(super) desk: &'a mut Desk,
+    pub(super) node: &'a Node<ipc::Service>,
 }
 
 impl Incoming<'_> {
@@ -90,11 +93,43 @@ impl Incoming<'_> {
 
     /// Where the answer goes.
     pub fn reply(&mut self) -> ReplySink<'_> {
+        self.reply_to_client().0
+    }
+
+    /// The same, and who waits for it.
+    pub fn reply_to_client(&mut self) -> (ReplySink<'_>, ClientWatch<'_>) {
         let header = self.active.header();
         let wake = (header.wake != 0).then_some(header.client);
-        ReplySink { active: &self.active, desk: self.desk, wake }
+        let Self { active, desk, node } = self;
+        let watch = ClientWatch { active, node, swept: Cell::new(Instant::now()) };
+        (ReplySink { active, desk, wake }, watch)
     }
 }
+
+/// Watches the client of a request that is being answered.
+#[derive(Debug)]
+pub struct ClientWatch<'a> {
+    active: &'a Active,
+    node: &'a Node<ipc::Service>,
+    /// The last look for peers that died.
+    swept: Cell<Instant>,
+}
+
+impl ClientWatch<'_> {
+    /// Whether the client still waits: it has neither dropped the request nor left. That it died
+    /// is found out by looking for dead peers, once in [`SWEEP`].
+    pub fn is_waiting(&self) -> bool {
+        let now = Instant::now();
+        if now.duration_since(self.swept.get()) >= SWEEP {
+            self.node.try_cleanup_dead_nodes();
+            self.swept.set(now);
+        }
+        self.active.is_connected()
+    }
+}
+
+/// How often a planner looks for peers that died: about 0.1 ms for each that lives.
+pub(super) const SWEEP: Duration = Duration::from_secs(1);
 
 /// Streams a reply into shared memory, in the version of its request.
 #[derive(Debug)]

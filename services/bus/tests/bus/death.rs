@@ -51,6 +51,22 @@ fn a_frozen_client_process_is_given_up() {
 }
 
 #[test]
+fn a_killed_client_is_no_longer_waited_for() {
+    let test = TestDomain::new();
+    let mut server = Server::open(&test.domain, &ServerOptions::default()).unwrap();
+    let client = Process::start("client that asks and hangs", &test);
+    let until = Instant::now() + LONG;
+    let mut incoming = server.receive().expect("the client has asked");
+    let (_, watch) = incoming.reply_to_client();
+    assert!(watch.is_waiting());
+    client.kill();
+    while watch.is_waiting() {
+        assert!(Instant::now() < until, "it is waited for");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
 fn killed_clients_leave_their_places_to_others() {
     let test = TestDomain::new();
     let options = ServerOptions { max_clients: 2, ..ServerOptions::default() };

@@ -3,7 +3,7 @@
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-use bus::{Client, Domain, ReplyError, ServerOptions, Wait};
+use bus::{Client, Domain, ReplyError, Server, ServerOptions, Wait};
 use schemas::message::SceneRequest;
 
 use crate::support::*;
@@ -93,6 +93,26 @@ fn every_way_to_wait_is_prompt() {
             check_prompt(&test.domain, client, server);
         }
     }
+}
+
+#[test]
+fn a_client_that_drops_its_request_is_no_longer_waited_for() {
+    let test = TestDomain::new();
+    let mut server = Server::open(&test.domain, &ServerOptions::default()).unwrap();
+    let client = Client::connect(&test.domain, Wait::Poll).unwrap();
+    let [first, second] = [1, 2].map(|id| client.send(&scene(id, 1)).unwrap());
+    let mut incoming = server.receive().expect("a request");
+    let (_, watch) = incoming.reply_to_client();
+    assert!(watch.is_waiting());
+    drop(first);
+    assert!(!watch.is_waiting());
+    // The client's other request is still open.
+    drop(incoming);
+    let mut incoming = server.receive().expect("a request");
+    let (_, watch) = incoming.reply_to_client();
+    assert!(watch.is_waiting());
+    drop(second);
+    assert!(!watch.is_waiting());
 }
 
 #[test]
