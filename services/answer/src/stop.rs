@@ -63,7 +63,6 @@ impl StopFlag {
         let place = usize::from(self.reason.load(Ordering::Relaxed)).checked_sub(1)?;
         StopReason::ALL.get(place).copied()
     }
-
 }
 
 /// What the budget of a request looks at: the flag, and now and then whether anybody still waits for

@@ -132,6 +132,8 @@ pub struct Budget<'a> {
     stop: Option<&'a dyn StopSignal>,
     /// Steps at which the flag is looked at next.
     next_look: Cell<u64>,
+    /// Steps that may not be taken for now.
+    kept_back: Cell<u64>,
 }
 
 /// What a part of a request drew, and what it still held at its end.
@@ -211,6 +213,7 @@ impl<'a> Budget<'a> {
             peak: Cell::new(0),
             stop: None,
             next_look: Cell::new(0),
+            kept_back: Cell::new(0),
         }
     }
 
@@ -243,6 +246,18 @@ impl<'a> Budget<'a> {
     pub fn draw(&self, cap: Cap, count: u64) -> Result<(), Spent> {
         self.count(cap, count)?;
         self.step(count)
+    }
+
+    /// Runs a search that may take all but a part of the steps that are left, one of `share`, so that
+    /// what it found can be measured and written if it is cut short.
+    pub fn keeping_back<T>(&self, share: u64, run: impl FnOnce() -> T) -> T {
+        let left = self.limits.steps.saturating_sub(self.drawn(Cap::Steps));
+        let before = self.kept_back.replace(left / share.max(1));
+        self.next_look.set(0);
+        let result = run();
+        self.kept_back.set(before);
+        self.next_look.set(0);
+        result
     }
 
     /// Resets one counter: its limit applies to a part of the request.
@@ -320,14 +335,15 @@ impl<'a> Budget<'a> {
     #[cold]
     fn look(&self, steps: u64) -> Result<(), Spent> {
         let most = self.limits.steps;
-        if steps > most {
+        let now = most.saturating_sub(self.kept_back.get());
+        if steps > now {
             return Err(Spent::Limit { cap: Cap::Steps, most });
         }
         if self.stop.is_some_and(StopSignal::is_set) {
             return Err(Spent::Stopped);
         }
         // Whatever comes first: the limit, or the next look at the flag.
-        self.next_look.set(steps.saturating_add(STEPS_PER_LOOK).min(most.saturating_add(1)));
+        self.next_look.set(steps.saturating_add(STEPS_PER_LOOK).min(now.saturating_add(1)));
         Ok(())
     }
 }

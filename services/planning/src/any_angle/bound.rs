@@ -48,7 +48,8 @@ pub fn certify(
         return Ok(());
     }
     let disc = disc_of(errand, radius, budget)?;
-    let path = planner.bounds.find(errand.floor, &disc, TurnRadii::DISC, budget);
+    let Planner { bounds, .. } = planner;
+    let path = budget.keeping_back(2, || bounds.find(errand.floor, &disc, TurnRadii::DISC, budget));
     match path {
         Ok(Some(path)) => found.bound = path.length.clamp(found.bound, length),
         Ok(None) => {}

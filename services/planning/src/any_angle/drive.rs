@@ -7,6 +7,9 @@ use crate::budget::Budget;
 use crate::clearance::rectangle::clearance_rectangle_pose;
 use crate::driving::CONTACT;
 
+/// One of so many steps is kept back from the search.
+const KEPT_BACK: u64 = 16;
+
 /// Finds the motion that is wished for.
 pub fn drive(
     errand: &Errand<'_>,
@@ -16,22 +19,19 @@ pub fn drive(
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
     check_ends(errand, budget)?;
-    match wish {
-        Wish::Gap(gap) => shortest(
-            errand,
-            Target { gap, least: None, searches_poses: true },
-            planner,
-            found,
-            budget,
-        )?,
+    budget.keeping_back(KEPT_BACK, || match wish {
+        Wish::Gap(gap) => {
+            let target = Target { gap, least: None, searches_poses: true };
+            shortest(errand, target, planner, found, budget)
+        }
         Wish::AtLeast(least) => {
             // A disc that just touches can't be told from one that overlaps.
             let gap = least.max(LEAST_GAP * errand.floor.extent());
             let target = Target { gap, least: Some(least), searches_poses: true };
-            shortest(errand, target, planner, found, budget)?;
+            shortest(errand, target, planner, found, budget)
         }
-        Wish::Safest => safest::safest(errand, planner, found, budget)?,
-    }
+        Wish::Safest => safest::safest(errand, planner, found, budget),
+    })?;
     Ok(bound::certify(errand, planner, found, budget)?)
 }
 

@@ -20,7 +20,7 @@ const RADII: usize = 4;
 const NEAR: f64 = 1.02;
 
 /// ... or, by this one, for poses.
-const LONG: f64 = 1.05;
+const LONG: f64 = 1.08;
 
 /// How often the radius at a corner that is in the way is made larger.
 const MOST_CHANGES: usize = 8;
@@ -174,9 +174,13 @@ fn poses(
         Rung::Aligned => lattice::aligned,
         _ => lattice::search,
     };
-    // With less than the gap only what can't be had with it.
+    // With less than the gap only what can't be had with it; a search takes long.
     let all = [target.gap, 0.0];
-    let leasts = if target.least.is_some() || most.is_finite() { &all[..1] } else { &all[..] };
+    let leasts = match rung {
+        _ if target.least.is_some() || most.is_finite() => &all[..1],
+        Rung::Aligned => &all[..],
+        _ => &all[1..],
+    };
     for least in leasts.iter().copied() {
         let Some(curves) = search(errand, (least, most), &mut planner.lattice, budget)? else {
             continue;

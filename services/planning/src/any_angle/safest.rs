@@ -27,54 +27,16 @@ pub(super) fn safest(
     found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
-    let half = errand.footprint.width() / 2.0;
-    // Nothing keeps more than the widest disc.
-    let most = errand.floor.extent();
-    let Some((widest, _)) = refusal::widest(errand, most, planner, budget)? else {
-        return Err(refusal::no_way(errand, half, planner, budget)?);
-    };
-    if widest <= half {
-        return Err(refusal::no_way(errand, half, planner, budget)?);
-    }
     let mut search =
         SafestSearch { errand, planner, best: None, refused: None, blocked_gap: None, budget };
-    let (mut low, mut high) = (0.0, widest - half);
-    let keeps_all = search.try_target(at_least(high))?;
-    // Beside the ends a rectangle can keep more than a disc; in a passage it can't.
-    let is_even = disc_of(errand, widest * (1.0 + BESIDE), budget)?.is_even();
-    if !keeps_all || !is_even {
-        for step in 0..GAPS {
-            let gap = high * step as f64 / GAPS as f64;
-            search.try_target(with_gap(gap.max(LEAST_GAP * most)))?;
-        }
-        search.refine(high / GAPS as f64, high)?;
-    }
-    if !keeps_all {
-        // Where a gap leads nowhere else, poses are searched, whatever the gap.
-        if let Some(gap) = search.blocked_gap {
-            search.try_target(Target { searches_poses: true, ..with_gap(gap) })?;
-        }
-        low = search.best_clearance().max(low);
-        while high - low > PRECISION {
-            let middle = (low + high) / 2.0;
-            if middle <= low || middle >= high {
-                break;
-            }
-            if search.try_target(at_least(middle))? {
-                low = search.best_clearance().max(middle);
-            } else {
-                high = middle;
+    match search.try_some().and_then(|()| search.run()) {
+        Err(NoMotion::Spent(Spent::Limit { .. })) if search.best.is_some() => {
+            if let Some(best) = &mut search.best {
+                best.motion.is_complete = false;
             }
         }
-    }
-    // Where nothing else helps, poses are searched, for half of the clearance and so on.
-    let mut least = high / 2.0;
-    for _ in 0..MOST_POSES {
-        if search.best.is_some() {
-            break;
-        }
-        search.try_target(Target { searches_poses: true, ..at_least(least) })?;
-        least /= 4.0;
+        Err(error) => return Err(error),
+        Ok(()) => {}
     }
     match search.best {
         Some(best) => {
@@ -83,9 +45,18 @@ pub(super) fn safest(
         }
         None => match search.refused {
             Some(refused) => Err(refused),
-            None => Err(refusal::no_way(errand, half, search.planner, budget)?),
+            None => Err(no_way(errand, search.planner, budget)?),
         },
     }
+}
+
+/// Not even the robot's width passes.
+fn no_way(
+    errand: &Errand<'_>,
+    planner: &mut Planner,
+    budget: &Budget<'_>,
+) -> Result<NoMotion, Spent> {
+    refusal::no_way(errand, errand.footprint.width() / 2.0, planner, budget)
 }
 
 fn at_least(least: f64) -> Target {
@@ -115,6 +86,65 @@ struct SafestSearch<'a, 'b> {
 }
 
 impl SafestSearch<'_, '_> {
+    /// Some gaps first, so that there is a motion if the budget ends.
+    fn try_some(&mut self) -> Result<(), NoMotion> {
+        let half = self.errand.footprint.width() / 2.0;
+        let least = LEAST_GAP * self.errand.floor.extent();
+        for gap in [least, half / 8.0, half / 2.0] {
+            self.try_target(with_gap(gap))?;
+        }
+        Ok(())
+    }
+
+    fn run(&mut self) -> Result<(), NoMotion> {
+        let Self { errand, budget, .. } = *self;
+        let half = errand.footprint.width() / 2.0;
+        // Nothing keeps more than the widest disc.
+        let most = errand.floor.extent();
+        let widest = refusal::widest(errand, most, self.planner, budget)?;
+        let Some((widest, _)) = widest.filter(|(widest, _)| *widest > half) else {
+            return Err(no_way(errand, self.planner, budget)?);
+        };
+        let (mut low, mut high) = (0.0, widest - half);
+        let keeps_all = self.try_target(at_least(high))?;
+        // Beside the ends a rectangle can keep more than a disc; in a passage it can't.
+        let is_even = disc_of(errand, widest * (1.0 + BESIDE), budget)?.is_even();
+        if !keeps_all || !is_even {
+            for step in 1..GAPS {
+                self.try_target(with_gap(high * step as f64 / GAPS as f64))?;
+            }
+            self.refine(high / GAPS as f64, high)?;
+        }
+        if !keeps_all {
+            // Where a gap leads nowhere else, poses are searched, whatever the gap.
+            if let Some(gap) = self.blocked_gap {
+                self.try_target(Target { searches_poses: true, ..with_gap(gap) })?;
+            }
+            low = self.best_clearance().max(low);
+            while high - low > PRECISION {
+                let middle = (low + high) / 2.0;
+                if middle <= low || middle >= high {
+                    break;
+                }
+                if self.try_target(at_least(middle))? {
+                    low = self.best_clearance().max(middle);
+                } else {
+                    high = middle;
+                }
+            }
+        }
+        // Where nothing else helps, poses are searched, for half of the clearance and so on.
+        let mut least = high / 2.0;
+        for _ in 0..MOST_POSES {
+            if self.best.is_some() {
+                break;
+            }
+            self.try_target(Target { searches_poses: true, ..at_least(least) })?;
+            least /= 4.0;
+        }
+        Ok(())
+    }
+
     fn best_clearance(&self) -> f64 {
         self.best.as_ref().map_or(0.0, |best| best.clearance)
     }
