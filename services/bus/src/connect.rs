@@ -6,6 +6,7 @@ use schemas::wire::{self, previous};
 use crate::cause::Cause;
 use crate::domain::Domain;
 use crate::error::ConnectError;
+use crate::headers::{Current, Version};
 use crate::ports;
 use crate::previous::Previous;
 
@@ -33,9 +34,9 @@ pub(crate) fn failed(
     match cause {
         // A planner that starts, stops or was killed leaves its service in any of these.
         Cause::Absent | Cause::InFlux | Cause::Damaged => {
-            let older = ports::open_plan::<Previous>(node)
-                .is_ok_and(|plan| plan.dynamic_config().number_of_servers() > 0);
-            match older {
+            // One that was just starting has opened the current version first, meanwhile.
+            let is_older = serves::<Previous>(node) && !serves::<Current>(node);
+            match is_older {
                 true => ConnectError::OlderPlanner { domain, planner: previous::VERSION },
                 false => ConnectError::NoPlanner { domain },
             }
@@ -43,4 +44,9 @@ pub(crate) fn failed(
         Cause::OtherMessages => ConnectError::OtherLayout { domain, layout: wire::layout_hash() },
         cause => ConnectError::Service { what, domain, cause },
     }
+}
+
+/// Whether a planner serves a version.
+fn serves<V: Version>(node: &Node<ipc::Service>) -> bool {
+    ports::open_plan::<V>(node).is_ok_and(|plan| plan.dynamic_config().number_of_servers() > 0)
 }
