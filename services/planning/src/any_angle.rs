@@ -3,7 +3,7 @@
 //! Free space is a [`Floor`]: faces are channels, the edges between them junctions. The robot
 //! follows the taut path of its guiding circles, straight lines and arcs about the corners of the
 //! walls. Where the rectangle does not fit along it, other ways are tried, rung by rung
-//! ([`Rung`]).
+//! ([`Rung`](crate::motion::Rung)).
 
 use thiserror::Error;
 

@@ -117,7 +117,7 @@ pub struct ClientWatch<'a> {
 
 impl ClientWatch<'_> {
     /// Whether the client still waits: it has neither dropped the request nor left. That it died
-    /// is found out by looking for dead peers, once in [`SWEEP`].
+    /// is found out by looking for dead peers, once a second.
     pub fn is_waiting(&self) -> bool {
         let now = Instant::now();
         if now.duration_since(self.swept.get()) >= SWEEP {
