@@ -8,7 +8,7 @@ use super::scene::{Scene, corridors, robots};
 use crate::budget::Budget;
 use crate::clearance::rectangle::tests::{check_densely, pose};
 use crate::driving::{Corner, CornerGaps, DrivingPath, StartTurn, drive};
-use crate::geometry::{Direction, unit};
+use crate::geometry::{AxisBox, Direction, unit};
 use crate::motion::Curve;
 
 /// All corners of the footprint, at many placements, lie in channels.
@@ -155,7 +155,16 @@ proptest! {
         });
         // A body that hardly reaches ahead may have its outer corner where a channel that goes on
         // beyond the junction leaves no wall.
-        let (mut wanted, mut more) = (gap, crossing || front < rear || rear < front);
+        let ends = |channel: &AxisBox<2>, along: Direction| {
+            let ends = [channel.min(), channel.max()].map(|end| along.coordinate(&end));
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        };
+        let goes_on = scene.channels.windows(2).zip(&scene.corners).any(|(pair, corner)| {
+            let (approach, leave) = (corner.rule.approach, corner.rule.leave);
+            ends(&pair[0], approach)[1] > ends(&pair[1], approach)[1]
+                || ends(&pair[1], leave)[0] < ends(&pair[0], leave)[0]
+        });
+        let (mut wanted, mut more) = (gap, crossing || (front != rear && goes_on));
         for (&(start_angle, sweep), corner) in arcs.iter().zip(&scene.corners) {
             let angle = |turned: f64, along: Direction, across: Direction| {
                 let heading = unit(start_angle + turned + FRAC_PI_2.copysign(sweep));
