@@ -21,9 +21,9 @@ use serde::{Deserialize, Serialize};
 /// Version of the layout. A request with another is refused (`unsupported_version`).
 pub const VERSION: u32 = 2;
 
-/// Most cells in one part of a reply: 128 KiB. Longer replies are split, so reply size
+/// Most cells in one part of a reply: 32 KiB. Longer replies are split, so reply size
 /// is unlimited while the memory per client stays small.
-pub const PART_CELLS: usize = 16_384;
+pub const PART_CELLS: usize = 4_096;
 
 /// Bits of [`RequestHeader::given`]: the optional fields that are present.
 pub mod given {

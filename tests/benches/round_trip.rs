@@ -93,7 +93,7 @@ fn measure(samples: u64) {
         let mut memory = Vec::new();
         while !stop.load(Ordering::Acquire) {
             if let Some(mut incoming) = server.receive() {
-                let header = incoming.copy(&mut memory);
+                let header = incoming.copy(usize::MAX, &mut memory).expect("it is there");
                 workspace
                     .answer(&header, &memory, &StopFlag::new(), &mut incoming.reply())
                     .expect("the client waits");

@@ -59,7 +59,7 @@ fn a_signal_ends_a_planner_under_load() {
                     .and_then(|mut pending| pending.wait(std::time::Instant::now() + LONG))
                 {
                     Ok(reply) => assert_eq!(reply.id, Some(id)),
-                    Err(CallError::PlannerGone) => return,
+                    Err(CallError::PlannerLost) => return,
                     Err(error) => panic!("{error}"),
                 }
                 answered.fetch_add(1, Ordering::Relaxed);
@@ -161,27 +161,21 @@ fn settings_beyond_the_shared_memory_are_refused() {
     assert!(ended.stderr.contains("bytes free, these settings can need"), "{ended:?}");
 }
 
+/// It may be that the request has killed it: the caller decides.
 #[test]
-fn a_call_outlives_the_planner() {
+fn a_call_says_at_once_that_its_planner_was_lost() {
     let test = TestDomain::new();
     let planner = test.planner(&[]);
+    let client = test.connect();
     // Frozen, it takes requests and answers none.
     planner.signal(Signal::STOP);
-    thread::scope(|scope| {
-        let (connected, asking) = std::sync::mpsc::channel();
-        let test = &test;
-        let caller = scope.spawn(move || {
-            let client = Client::connect(&test.domain(), Wait::Hybrid).unwrap();
-            connected.send(()).unwrap();
-            check_planned(&client, &numbered(42));
-        });
-        asking.recv().unwrap();
-        // Before or after the request is sent: the call is answered either way.
-        thread::sleep(std::time::Duration::from_millis(50));
-        planner.kill();
-        let _planner = test.planner(&[]);
-        caller.join().expect("the call is answered");
-    });
+    let mut pending = client.send(&numbered(42)).unwrap();
+    planner.kill();
+    let lost = pending.wait(std::time::Instant::now() + LONG);
+    assert!(matches!(lost, Err(CallError::PlannerLost)), "{lost:?}");
+    drop(pending);
+    let _planner = test.planner(&[]);
+    check_planned(&client, &numbered(43));
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn a_killed_recorder_has_written_what_came_before_the_last_flush() {
     wait_for("the flush", || (readable(&test) == 5).then_some(()));
     recorder.kill();
     let left = recording(&test.path("run.mcap"));
-    assert_eq!(left.records.len(), 10);
+    assert_eq!(left.records.len(), 15);
     assert!(matches!(left.error, Some(ReadError::Cut { .. })), "{:?}", left.error);
     check_recovered(&test, 5);
 }
@@ -93,9 +93,9 @@ fn check_finishes(signal: Signal) {
     recorder.signal(signal);
     let ended = recorder.wait();
     assert_eq!(ended.code, Some(0));
-    assert_eq!(ended.stdout, "run.mcap: 6 messages recorded, 0 lost\n");
+    assert_eq!(ended.stdout, "run.mcap: 9 messages recorded, 0 lost\n");
     let file = recording(&test.path("run.mcap"));
-    assert_eq!(file.summary, Some(Summary { recorded: 6, lost: 0, gaps: 0 }));
+    assert_eq!(file.summary, Some(Summary { recorded: 9, lost: 0, gaps: 0 }));
     assert!(file.error.is_none());
 }
 
@@ -129,7 +129,7 @@ fn an_existing_file_is_not_overwritten() {
     let recorder = test.recorder("run.mcap", &["--overwrite"]);
     ask(&test, 1);
     assert_eq!(recorder.stop().code, Some(0));
-    assert_eq!(recording(&path).records.len(), 2);
+    assert_eq!(recording(&path).records.len(), 3);
 }
 
 #[test]
@@ -147,10 +147,10 @@ fn messages_that_a_frozen_recorder_missed_are_counted_and_reported() {
 
     let file = recording(&test.path("run.mcap"));
     let summary = file.summary.expect("the file is finished");
-    assert_eq!(summary.recorded + summary.lost, 44, "{summary:?}");
+    assert_eq!(summary.recorded + summary.lost, 66, "{summary:?}");
     assert!(summary.lost > 0 && summary.gaps == 1, "{summary:?}");
     let last = file.records.last().unwrap().sequence;
-    assert_eq!(u64::from(last) + 1, 44, "the gap shows in the file where it is");
+    assert_eq!(u64::from(last) + 1, 66, "the gap shows in the file where it is");
     assert_eq!(ended.code, Some(3));
     let Summary { recorded, lost, .. } = summary;
     assert_eq!(ended.stdout, format!("run.mcap: {recorded} messages recorded, {lost} lost\n"));
@@ -169,7 +169,7 @@ fn it_waits_for_a_planner_to_come_up() {
     let _planner = test.planner(&[]);
     recorder.wait_until_it_says("recording");
     ask(&test, 1);
-    assert_eq!(recorder.stop().stdout, "run.mcap: 2 messages recorded, 0 lost\n");
+    assert_eq!(recorder.stop().stdout, "run.mcap: 3 messages recorded, 0 lost\n");
 }
 
 #[test]

@@ -9,15 +9,15 @@ use crate::message::{
 };
 use crate::wire::{RequestHeader, VERSION, given, switch};
 
-/// How many coordinates the scene's points have: 2 or 3, the same for all.
-pub fn dimension(scene: &SceneRequest) -> Result<u32, Refusal> {
+/// How many coordinates the points of a scene in this free space have: 2 or 3, the same for all.
+pub fn dimension(scene: &SceneRequest, free_space: &FreeSpace) -> Result<u32, Refusal> {
     let mut points = Points { dimension: 0 };
     match &scene.body {
         Body::Polygon(vertices) => points.list("body.polygon", vertices)?,
         Body::Box(sides) => points.axis_box("body.box", sides)?,
         Body::Footprint(_) => points.dimension = 2,
     }
-    let FreeSpace { channels, solids, bounds, .. } = &scene.free_space;
+    let FreeSpace { channels, solids, bounds, .. } = free_space;
     for (index, channel) in channels.iter().flatten().enumerate() {
         points.axis_box(format_args!("free_space.channels[{index}]"), channel)?;
     }
@@ -92,7 +92,7 @@ pub fn write_scene(
     sent_ns: u64,
     cells: &mut Vec<u64>,
 ) -> Result<RequestHeader, Refusal> {
-    let dimension = dimension(scene)?;
+    let dimension = dimension(scene, &scene.free_space)?;
     let mut header = RequestHeader {
         version: VERSION,
         dimension,

@@ -95,22 +95,28 @@ pub fn upgrade_request(header: &RequestHeader) -> super::RequestHeader {
     upgraded
 }
 
-/// Whether a part's payload takes the same cells in both versions.
-pub fn same_cells(header: &super::ReplyHeader) -> bool {
-    header.kind != 1
+/// A part in version 1: its header, and its payload in `old`. It must be one that
+/// [`crate::convert::TrajectoryWriter`] or [`crate::convert::write_refusal`] wrote.
+pub fn downgrade(header: &super::ReplyHeader, cells: &[u64], old: &mut Vec<u64>) -> ReplyHeader {
+    if header.kind == 1 {
+        return downgrade_refusal(header, cells, old);
+    }
+    old.clear();
+    old.extend_from_slice(cells);
+    downgrade_trajectory(header, old);
+    downgrade_header(header)
 }
 
 /// The header of a part in version 1.
-pub fn downgrade_header(header: &super::ReplyHeader) -> ReplyHeader {
+fn downgrade_header(header: &super::ReplyHeader) -> ReplyHeader {
     let given = header.given & reported::ID;
     let header = super::ReplyHeader { version: VERSION, given, ..*header };
     let bytes = &bytemuck::bytes_of(&header)[..size_of::<ReplyHeader>()];
     bytemuck::pod_read_unaligned(bytes)
 }
 
-/// Makes the payload of a trajectory that of version 1, in place. The part must be one that
-/// [`crate::convert::TrajectoryWriter`] wrote.
-pub fn downgrade_trajectory(header: &super::ReplyHeader, cells: &mut [u64]) {
+/// Makes the payload of a trajectory that of version 1, in place.
+fn downgrade_trajectory(header: &super::ReplyHeader, cells: &mut [u64]) {
     let before = header.gaps as usize
         + header.route as usize
         + 2 * header.dimension as usize * header.channels as usize;
@@ -120,9 +126,8 @@ pub fn downgrade_trajectory(header: &super::ReplyHeader, cells: &mut [u64]) {
     }
 }
 
-/// A refusal in version 1: its header, and its payload in `old`. The part must be one
-/// that [`crate::convert::write_refusal`] wrote.
-pub fn downgrade_refusal(
+/// A refusal in version 1.
+fn downgrade_refusal(
     header: &super::ReplyHeader,
     cells: &[u64],
     old: &mut Vec<u64>,

@@ -129,20 +129,20 @@ fn check_parts(trajectory: Trajectory, parts: usize) {
 
 #[test]
 fn parts_end_where_they_are_full() {
-    // 16,384 cells: 1,820 samples of 9 and 4 cells, 1,170 legs of 14 and 4 cells.
-    assert_eq!((PART_CELLS / SAMPLE_CELLS, PART_CELLS % SAMPLE_CELLS), (1820, 4));
-    assert_eq!((PART_CELLS / LEG_CELLS, PART_CELLS % LEG_CELLS), (1170, 4));
+    // 4,096 cells: 455 samples of 9 and a cell, 292 legs of 14 and 8 cells.
+    assert_eq!((PART_CELLS / SAMPLE_CELLS, PART_CELLS % SAMPLE_CELLS), (455, 1));
+    assert_eq!((PART_CELLS / LEG_CELLS, PART_CELLS % LEG_CELLS), (292, 8));
     check_parts(long(0, 0, 0, 0, 0), 1);
-    check_parts(long(0, 0, 0, 0, 1820), 1);
-    check_parts(long(0, 0, 0, 0, 1821), 2);
-    check_parts(long(4, 0, 0, 0, 1820), 1);
-    check_parts(long(5, 0, 0, 0, 1820), 2);
-    check_parts(long(0, 0, 1, 0, 1820), 1);
-    check_parts(long(0, 0, 1, 1170, 0), 1);
-    check_parts(long(0, 0, 0, 1169, 2), 1);
-    check_parts(long(0, 0, 0, 1169, 3), 2);
-    check_parts(long(0, 0, 0, 1170, 1), 2);
-    check_parts(long(0, 0, 0, 1171, 0), 2);
+    check_parts(long(0, 0, 0, 0, 455), 1);
+    check_parts(long(0, 0, 0, 0, 456), 2);
+    check_parts(long(1, 0, 0, 0, 455), 1);
+    check_parts(long(2, 0, 0, 0, 455), 2);
+    check_parts(long(0, 0, 1, 0, 454), 1);
+    check_parts(long(0, 0, 1, 292, 0), 1);
+    check_parts(long(0, 0, 0, 291, 2), 1);
+    check_parts(long(0, 0, 0, 291, 3), 2);
+    check_parts(long(0, 0, 0, 292, 1), 2);
+    check_parts(long(0, 0, 0, 293, 0), 2);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn every_list_can_fill_parts() {
     check_parts(long(0, 0, PART_CELLS / 4, 0, 0), 1);
     check_parts(long(1, 0, PART_CELLS / 4, 0, 0), 2);
     check_parts(long(PART_CELLS - 1, 1, 1, 1, 1), 2);
-    check_parts(long(3, 3, 3, 2000, 10_000), 8);
+    check_parts(long(3, 3, 3, 2000, 10_000), 29);
 }
 
 proptest! {

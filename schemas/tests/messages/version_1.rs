@@ -67,13 +67,8 @@ fn requests_of_no_known_version_are_refused() {
 /// A part as an old client gets it.
 fn downgraded(part: &(ReplyHeader, Vec<u64>)) -> (previous::ReplyHeader, Vec<u64>) {
     let (header, cells) = part;
-    if previous::same_cells(header) {
-        let mut cells = cells.clone();
-        previous::downgrade_trajectory(header, &mut cells);
-        return (previous::downgrade_header(header), cells);
-    }
-    let mut old = vec![7];
-    let header = previous::downgrade_refusal(header, cells, &mut old);
+    let mut old = Vec::new();
+    let header = previous::downgrade(header, cells, &mut old);
     (header, old)
 }
 

@@ -4,7 +4,7 @@ use planning::budget::{Budget, Spent};
 use planning::motion::Leg;
 use planning::trajectory::{Limits, Profile, Sampling, Stops};
 use schemas::convert::PartSink;
-use schemas::message::{Refusal, SceneRequest};
+use schemas::message::Refusal;
 use schemas::wire::{LEG_CELLS, SAMPLE_CELLS};
 
 use crate::Caps;
@@ -12,6 +12,7 @@ use crate::cache::Cache;
 use crate::check;
 use crate::parts::{Parts, States};
 use crate::refuse::{self, Refused};
+use crate::scene::Scene;
 use crate::stop::StopFlag;
 use crate::wish::{Wish, Wishes};
 
@@ -96,11 +97,7 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    pub(crate) fn of(
-        scene: &SceneRequest,
-        wishes: &Wishes<'_>,
-        stops: Stops,
-    ) -> Result<Self, Refusal> {
+    pub(crate) fn of(scene: Scene<'_>, wishes: &Wishes<'_>, stops: Stops) -> Result<Self, Refusal> {
         let limits = check::limits(&scene.limits)?;
         let sampling = check::sampling(scene.sampling)?;
         Ok(Self { limits, stops, sampling: wishes.sampled().then_some(sampling) })

@@ -12,7 +12,7 @@ use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::route::{BodyMover, Mover, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Gap, Refusal, SceneRequest, Task};
+use schemas::message::{self, Gap, Refusal, Task};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -20,6 +20,7 @@ use crate::check;
 use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Source};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, Axes, PLANE, Refused, SPACE};
+use crate::scene::Scene;
 use crate::stop::StopFlag;
 use crate::wish::{Gaps, Wish, Wishes};
 
@@ -49,7 +50,7 @@ struct Memory<const D: usize> {
 /// What is moved, and how.
 #[derive(Debug, Clone, Copy)]
 struct Terms<'a, const D: usize> {
-    scene: &'a SceneRequest,
+    scene: Scene<'a>,
     axes: Axes,
     body: Body<'a, D>,
     pace: Pace,
@@ -82,7 +83,7 @@ impl Assembly<2> {
     /// Answers a request for a body in the plane.
     pub(crate) fn answer<S: PartSink>(
         &mut self,
-        scene: &SceneRequest,
+        scene: Scene<'_>,
         wishes: &Wishes<'_>,
         mut resources: Resources<'_>,
         stop: &StopFlag,
@@ -118,7 +119,7 @@ impl Assembly<3> {
     /// Answers a request for a body in space.
     pub(crate) fn answer<S: PartSink>(
         &mut self,
-        scene: &SceneRequest,
+        scene: Scene<'_>,
         wishes: &Wishes<'_>,
         mut resources: Resources<'_>,
         stop: &StopFlag,
@@ -155,7 +156,7 @@ impl<const D: usize> Assembly<D> {
 
 impl<'a, const D: usize> Terms<'a, D> {
     fn new(
-        scene: &'a SceneRequest,
+        scene: Scene<'a>,
         axes: Axes,
         body: Body<'a, D>,
         wishes: &Wishes<'_>,

@@ -5,34 +5,20 @@
 //! that an entry was made from, and a request that finds an entry draws from its budget what
 //! making it would have drawn. So the cache changes no reply.
 //!
-//! Entries that a request uses stay until it ends, even beyond the bound: its exits and answers
-//! share them. Then the least recently used are dropped until the bound holds.
+//! Workspaces share the cache. Entries that a request uses stay until it ends, even beyond the
+//! bound: its exits and answers share them. Then the least recently used are dropped until the
+//! bound holds.
 
 use std::any::Any;
 use std::sync::Arc;
 
-use foldhash::fast::FixedState;
-use hashlink::LinkedHashMap;
-use planning::budget::{Budget, Cost, Spent};
+use planning::budget::{Budget, Spent};
 use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, HalfSpace, Sign};
 
-/// The bytes may allow more entries, but ones so small are made as fast as they are found.
-const MOST_ENTRIES: usize = 4096;
-
-/// Hits, misses and size of a workspace's cache.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct CacheStats {
-    /// Look-ups that found an entry.
-    pub hits: u64,
-    /// Look-ups that had to make it.
-    pub misses: u64,
-    /// Entries held.
-    pub entries: usize,
-    /// Their memory, bytes.
-    pub bytes: usize,
-}
+use crate::entries::{ENTRY_BYTES, Entry, Used};
+use crate::store::Store;
 
 /// A value that can be cached.
 pub(crate) trait Cached: Any + Send + Sync {
@@ -113,50 +99,18 @@ impl Content {
 /// Words written and compared per step of the budget.
 const WORDS_PER_STEP: u64 = 16;
 
-/// An LRU cache bounded in bytes.
+/// A workspace's access to the cache.
 #[derive(Debug)]
 pub(crate) struct Cache {
-    most_bytes: usize,
-    /// The number of the request.
-    request: u64,
+    store: Store,
     /// The key being looked up.
     content: Content,
-    /// By content, from the least to the most recently used.
-    entries: LinkedHashMap<Box<[u64]>, Entry, FixedState>,
-    /// The most entries since the map last shrank.
-    most_entries: usize,
-    stats: CacheStats,
+    pub(crate) used: Used,
 }
-
-#[derive(Debug)]
-struct Entry {
-    made: Arc<dyn Any + Send + Sync>,
-    bytes: usize,
-    /// The last request that used it.
-    request: u64,
-    /// What making it drew from the budget. A request that finds it draws the same, once.
-    cost: Cost,
-}
-
-/// Memory of the map per entry: a node with two links, and two slots of its table.
-const ENTRY_BYTES: usize =
-    size_of::<Box<[u64]>>() + size_of::<Entry>() + 2 * size_of::<usize>() + 2 * 9;
 
 impl Cache {
-    /// An empty cache that holds at most `most_bytes` from one request to the next.
-    pub(crate) fn new(most_bytes: usize) -> Self {
-        Self {
-            most_bytes,
-            request: 0,
-            content: Content::default(),
-            entries: LinkedHashMap::with_hasher(FixedState::default()),
-            most_entries: 0,
-            stats: CacheStats::default(),
-        }
-    }
-
-    pub(crate) fn stats(&self) -> CacheStats {
-        self.stats
+    pub(crate) fn new(store: Store) -> Self {
+        Self { store, content: Content::default(), used: Used::default() }
     }
 
     /// Memory of the key's buffer, bytes.
@@ -167,11 +121,6 @@ impl Cache {
     /// Frees the key's buffer.
     pub(crate) fn release_content(&mut self) {
         self.content = Content::default();
-    }
-
-    /// The bound, bytes.
-    pub(crate) fn most_bytes(&self) -> usize {
-        self.most_bytes
     }
 
     /// Begins the key that [`Cache::get`] looks up.
@@ -196,65 +145,37 @@ impl Cache {
     ) -> Result<Arc<T>, E> {
         budget.step(self.content.0.len() as u64 / WORDS_PER_STEP)?;
         if let Some(made) = self.find(budget) {
-            self.stats.hits += 1;
+            self.used.hits += 1;
             return Ok(made);
         }
-        self.stats.misses += 1;
+        self.used.misses += 1;
         let (made, cost) = budget.measure(|| {
             budget.hold(size_of_val::<[u64]>(&self.content.0) + ENTRY_BYTES)?;
             make()
         });
         let made = Arc::new(made?);
-        let content: Box<[u64]> = self.content.0.as_slice().into();
+        let content: Arc<[u64]> = self.content.0.as_slice().into();
         let bytes = size_of_val::<[u64]>(&content) + size_of::<T>() + made.bytes() + ENTRY_BYTES;
-        let entry = Entry { made: made.clone(), bytes, request: self.request, cost };
-        self.stats.bytes += bytes;
-        if let Some(replaced) = self.entries.insert(content, entry) {
-            self.stats.bytes -= replaced.bytes;
-        }
-        self.most_entries = self.most_entries.max(self.entries.len());
-        self.stats.entries = self.entries.len();
+        let entry = Entry { made: made.clone(), bytes, cost };
+        self.used.add(Arc::clone(&content), entry.clone());
+        self.store.lock().entries.insert(content, entry);
         Ok(made)
     }
 
-    /// The cached entry, if the budget would be enough to make it.
+    /// The entry, if this request has used it already; or if it is cached and the budget would be
+    /// enough to make it.
     fn find<T: Cached>(&mut self, budget: &Budget<'_>) -> Option<Arc<T>> {
         let content = self.content.0.as_slice();
-        // Most often it is the last one used.
-        let last = self.entries.iter_mut().next_back();
-        let entry = match last.filter(|(last, _)| ***last == *content) {
-            Some((_, entry)) => entry,
-            None => self.entries.to_back(content)?,
-        };
+        if let Some(entry) = self.used.find(content) {
+            return Arc::downcast(entry.made.clone()).ok();
+        }
+        let (content, entry) = self.store.lock().entries.find(content)?;
         let made = Arc::downcast(entry.made.clone()).ok()?;
-        if entry.request != self.request && !budget.repeat(&entry.cost) {
+        if !budget.repeat(&entry.cost) {
             return None;
         }
-        entry.request = self.request;
+        self.used.add(content, entry);
         Some(made)
-    }
-
-    /// Drops entries until they fit the bound less `elsewhere` bytes.
-    pub(crate) fn end_request(&mut self, elsewhere: usize) {
-        let most = self.most_bytes.saturating_sub(elsewhere);
-        // An entry that is too large by itself should not evict the others.
-        let request = self.request;
-        let used = self.entries.iter().rev().map(|(_, entry)| entry);
-        let mut used = used.take_while(|entry| entry.request == request);
-        if used.any(|entry| entry.bytes > most) {
-            self.entries.retain(|_, entry| entry.bytes <= most);
-            self.stats.bytes = self.entries.iter().map(|(_, entry)| entry.bytes).sum();
-        }
-        while self.stats.bytes > most || self.entries.len() > MOST_ENTRIES {
-            let Some((_, entry)) = self.entries.pop_front() else { break };
-            self.stats.bytes -= entry.bytes;
-        }
-        if self.most_entries > 2 * self.entries.len() {
-            self.entries.shrink_to_fit();
-            self.most_entries = self.entries.len();
-        }
-        self.stats.entries = self.entries.len();
-        self.request += 1;
     }
 }
 

@@ -7,15 +7,16 @@ use planning::budget::Budget;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, ErrorCode, Refusal, SceneRequest, Task};
+use schemas::message::{self, ErrorCode, Refusal, Task};
 
 use crate::refuse::{self, Axes, Refused};
+use crate::scene::Scene;
 
 /// The greatest magnitude of a coordinate, metres: its square, and a sum of such, is finite.
 const MOST_COORDINATE: f64 = 1e150;
 
 /// Fields that do not go together.
-pub(crate) fn fields(scene: &SceneRequest) -> Result<(), Refusal> {
+pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
     let drive = scene.task == Task::Drive;
     let limits = &scene.limits;
     let stray = [

@@ -18,6 +18,7 @@ use crate::answers::{Job, Pace, Resources, Stop, answer_each};
 use crate::free_space::{Buffers, FreeSpace, given_channels};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, FLOOR, Refused};
+use crate::scene::Scene;
 use crate::stop::StopFlag;
 use crate::wish::{Wish, Wishes};
 
@@ -72,7 +73,7 @@ impl Driving {
     /// Answers a request for a mobile robot.
     pub(crate) fn answer<S: PartSink>(
         &mut self,
-        scene: &SceneRequest,
+        scene: Scene<'_>,
         wishes: &Wishes<'_>,
         mut resources: Resources<'_>,
         stop: &StopFlag,
@@ -126,7 +127,7 @@ impl Driving {
 
 /// Whether the robot may travel its free space in any order, right up to the walls: unless
 /// channels are to be travelled in order by the rules, or clearance is measured to solids in them.
-fn is_any_order(scene: &SceneRequest) -> bool {
+fn is_any_order(scene: Scene<'_>) -> bool {
     let message::FreeSpace { channels, in_order, solids, .. } = &scene.free_space;
     let Some(channels) = channels else { return true };
     let has_solids = solids.as_ref().is_some_and(|solids| !solids.is_empty());
@@ -135,8 +136,8 @@ fn is_any_order(scene: &SceneRequest) -> bool {
 }
 
 /// Whether a request asks for what the rules can't do.
-fn asks_for_more(scene: &SceneRequest) -> bool {
-    let SceneRequest { reverse, turn_in_place, min_turn_radius, clearance, .. } = scene;
+fn asks_for_more(scene: Scene<'_>) -> bool {
+    let SceneRequest { reverse, turn_in_place, min_turn_radius, clearance, .. } = scene.request;
     *reverse == Some(true)
         || *turn_in_place == Some(false)
         || min_turn_radius.is_some()

@@ -37,12 +37,15 @@ mod cache;
 mod caps;
 mod check;
 mod driving;
+mod entries;
 mod free_space;
+mod named;
 mod parts;
 mod refuse;
 mod scene;
 mod sink;
 mod stop;
+mod store;
 mod uploads;
 mod wish;
 
@@ -56,27 +59,30 @@ use assembly::Assembly;
 use cache::Cache;
 use driving::Driving;
 use parts::{Collect, Parts};
+use scene::Scene;
 use sink::{AnySink, SinkFailed, with_any_sink};
 use stop::Watched;
-use uploads::Uploads;
 use wish::Wishes;
 
-pub use cache::CacheStats;
 pub use caps::Caps;
+pub use entries::CacheStats;
 pub use stop::{StopFlag, StopReason};
+pub use store::Store;
 
 /// Memory that a workspace keeps between requests by default, bytes.
 pub const CACHE_BYTES: usize = 256 << 20;
 
-/// Answers requests one after another. Between them it keeps buffers and a cache of what it made
-/// from free spaces. Neither changes a reply.
+/// Answers requests one after another. Between them it keeps buffers, and its [`Store`] what was
+/// made from free spaces. Neither changes a reply.
 #[derive(Debug)]
 pub struct Workspace {
     caps: Caps,
     scene: SceneRequest,
-    uploads: Uploads,
+    store: Store,
     cache: Cache,
     buffers: Buffers,
+    /// What the store counts for this workspace, bytes.
+    counted: usize,
 }
 
 /// Buffers for the answers to a request.
@@ -102,28 +108,32 @@ impl Workspace {
     /// A workspace for requests that cost no more than `caps`, which keeps at most `cache` bytes
     /// from one request to the next.
     pub fn new(caps: Caps, cache: usize) -> Self {
-        Self::with_uploads(caps, cache, cache / BUFFERS_SHARE)
+        Self::sharing(caps, &Store::new(cache))
     }
 
-    /// The same, with a bound of its own for named free spaces, bytes.
-    fn with_uploads(caps: Caps, cache: usize, uploads: usize) -> Self {
+    /// A workspace that shares `store` with others.
+    pub fn sharing(caps: Caps, store: &Store) -> Self {
+        store.join();
         Self {
             caps,
             scene: SceneRequest::empty(),
-            uploads: Uploads::new(uploads),
-            cache: Cache::new(cache),
+            store: store.clone(),
+            cache: Cache::new(store.clone()),
             buffers: Buffers::default(),
+            counted: 0,
         }
     }
 
-    /// Statistics of the cache since the workspace was made.
+    /// Statistics of the cache since its store was made.
     pub fn cache_stats(&self) -> CacheStats {
-        self.cache.stats()
+        self.store.cache_stats()
     }
 
-    /// Memory held, bytes; between requests at most the `cache` given to [`Workspace::new`].
+    /// Memory held, the whole store included, bytes; between requests at most what the store may
+    /// keep.
     pub fn bytes(&self) -> usize {
-        self.cache.stats().bytes + self.buffer_bytes()
+        let kept = self.store.lock();
+        kept.entries.stats().bytes + kept.uploads.bytes() + self.own_bytes()
     }
 
     /// Answers the request in memory and writes the reply to `sink`, whatever that memory holds.
@@ -171,11 +181,11 @@ impl Workspace {
         stop: &StopFlag,
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        self.answer_while(header, cells, (stop, &|| true), sink)
+        self.answer_while(header, cells, (stop, &|| {}), sink)
     }
 
-    /// The same as long as somebody wants the reply: when `is_wanted` says no, `stop` is set. It is
-    /// asked several times in a millisecond.
+    /// The same, and calls `meanwhile` several times in a millisecond. It may set `stop`, or let
+    /// the request wait.
     ///
     /// # Errors
     ///
@@ -184,10 +194,10 @@ impl Workspace {
         &mut self,
         header: &wire::RequestHeader,
         cells: &[u64],
-        (stop, is_wanted): (&StopFlag, &dyn Fn() -> bool),
+        (stop, meanwhile): (&StopFlag, &dyn Fn()),
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        let watched = Watched::new(stop, is_wanted);
+        let watched = Watched::new(stop, meanwhile);
         with_any_sink(sink, |sink| self.answer_any(header, cells, (stop, &watched), sink))
     }
 
@@ -226,12 +236,14 @@ impl Workspace {
         stop: &StopFlag,
         sink: &mut AnySink<'_>,
     ) -> Result<(), Stop<SinkFailed>> {
-        let Self { caps, scene, uploads, cache, buffers } = self;
+        let Self { caps, scene: request, store, cache, buffers, counted: _ } = self;
         caps.check_cells(cells.len())?;
         convert::check_version(header)?;
-        scene::read(header, cells, scene, budget)?;
-        uploads.open(&mut scene.free_space, budget)?;
-        let dimension = convert::dimension(scene)?;
+        scene::read(header, cells, request, budget)?;
+        let named = named::open(&mut request.free_space, store, budget)?;
+        let free_space = named.as_deref().unwrap_or(&request.free_space);
+        let scene = Scene { request, free_space };
+        let dimension = convert::dimension(request, free_space)?;
         check::fields(scene)?;
         let wishes = Wishes::of(&scene.clearance, caps)?;
         let parts = &mut Parts::new(key(header), scene.id, wishes.count(), sink);
@@ -255,34 +267,41 @@ impl Workspace {
 
     /// Frees what may not be kept.
     fn end_request(&mut self) {
-        self.uploads.close(&mut self.scene.free_space);
-        let most = self.cache.most_bytes() / BUFFERS_SHARE;
+        let most = self.store.most_of_a_buffer();
         self.buffers.count();
-        let (mut buffers, mut scene) = (self.buffers.bytes(), scene::bytes(&self.scene));
-        if buffers > most {
+        if self.buffers.bytes() > most {
             self.buffers = Buffers::default();
-            buffers = 0;
         }
-        if scene > most {
+        if scene::bytes(&self.scene) > most {
             self.scene = SceneRequest::empty();
-            scene = scene::bytes(&self.scene);
         }
         if self.cache.content_bytes() > most {
             self.cache.release_content();
         }
-        let read = scene + self.uploads.bytes() + self.cache.content_bytes();
-        self.cache.end_request(buffers + read);
+        let counted = self.own_bytes();
+        if counted == self.counted && self.cache.used.is_empty() {
+            return;
+        }
+        let mut kept = self.store.lock();
+        kept.entries.count_elsewhere(self.counted, counted);
+        let evicted = kept.entries.evict(&mut self.cache.used);
+        drop(kept);
+        drop(evicted);
+        self.cache.used.clear();
+        self.counted = counted;
     }
 
     /// Memory of what is reused, whatever it contains.
-    fn buffer_bytes(&self) -> usize {
-        let scene = scene::bytes(&self.scene) + self.uploads.bytes();
-        self.buffers.bytes() + scene + self.cache.content_bytes()
+    fn own_bytes(&self) -> usize {
+        self.buffers.bytes() + scene::bytes(&self.scene) + self.cache.content_bytes()
     }
 }
 
-/// Each kind of buffer may keep this fraction (1/4) of the cache's bound.
-const BUFFERS_SHARE: usize = 4;
+impl Drop for Workspace {
+    fn drop(&mut self) {
+        self.store.leave(self.counted);
+    }
+}
 
 /// Indices of [`Buffers::bytes`].
 const PLANE: usize = 0;
@@ -320,7 +339,7 @@ pub struct Answerer(Workspace);
 impl Answerer {
     /// Answers requests that cost no more than `caps`.
     pub fn new(caps: &Caps) -> Self {
-        Self(Workspace::with_uploads(*caps, 0, usize::MAX))
+        Self(Workspace::sharing(*caps, &Store::with_uploads(0, usize::MAX)))
     }
 
     /// Answers a request.

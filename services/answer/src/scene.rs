@@ -1,11 +1,29 @@
 //! Reading a scene within a request's budget.
 
+use std::ops::Deref;
+
 use planning::budget::Budget;
 use schemas::convert;
 use schemas::message::{Body, Choice, ClearanceWish, FreeSpace, SceneRequest, Solid};
 use schemas::wire::RequestHeader;
 
 use crate::refuse::Refused;
+
+/// A request whose free space is at hand, its own or the one that it names.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub(crate) request: &'a SceneRequest,
+    /// In place of the request's.
+    pub(crate) free_space: &'a FreeSpace,
+}
+
+impl Deref for Scene<'_> {
+    type Target = SceneRequest;
+
+    fn deref(&self) -> &SceneRequest {
+        self.request
+    }
+}
 
 /// So many cells are read and checked in the time of a step.
 pub(crate) const CELLS_PER_STEP: u64 = 4;

@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering, fence};
 
 use planning::budget::StopSignal;
 
-/// The client is looked for once in so many looks at the flag, which are 1,024 steps apart: several
+/// The caller is called once in so many looks at the flag, which are 1,024 steps apart: several
 /// times in a millisecond.
-const LOOKS_PER_CLIENT: u32 = 16;
+const LOOKS_PER_CALL: u32 = 8;
 
 /// Why a process ends a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,12 +18,15 @@ pub enum StopReason {
     Deadline,
     /// The client has left. The sink reports it when the next part is written.
     ClientLeft,
+    /// Somebody else answers the request, from its beginning: nothing more is to be written here.
+    /// The sink reports it when the next part is written.
+    HandedOver,
     /// The process ends: what is not answered yet is refused as `overloaded`.
     Shutdown,
 }
 
 impl StopReason {
-    const ALL: [Self; 3] = [Self::Deadline, Self::ClientLeft, Self::Shutdown];
+    const ALL: [Self; 4] = [Self::Deadline, Self::ClientLeft, Self::HandedOver, Self::Shutdown];
 }
 
 /// Ends a request that is being answered, from another thread or a signal handler.
@@ -65,17 +68,17 @@ impl StopFlag {
     }
 }
 
-/// What the budget of a request looks at: the flag, and now and then whether anybody still waits for
-/// the reply.
+/// What the budget of a request looks at: the flag. Now and then it calls the caller, who may set
+/// the flag, or do something else meanwhile.
 pub(crate) struct Watched<'a> {
     stop: &'a StopFlag,
-    is_wanted: &'a dyn Fn() -> bool,
+    meanwhile: &'a dyn Fn(),
     looks: Cell<u32>,
 }
 
 impl<'a> Watched<'a> {
-    pub(crate) fn new(stop: &'a StopFlag, is_wanted: &'a dyn Fn() -> bool) -> Self {
-        Self { stop, is_wanted, looks: Cell::new(0) }
+    pub(crate) fn new(stop: &'a StopFlag, meanwhile: &'a dyn Fn()) -> Self {
+        Self { stop, meanwhile, looks: Cell::new(0) }
     }
 }
 
@@ -89,8 +92,8 @@ impl StopSignal for Watched<'_> {
     fn is_set(&self) -> bool {
         let looks = self.looks.get().wrapping_add(1);
         self.looks.set(looks);
-        if looks.is_multiple_of(LOOKS_PER_CLIENT) && !(self.is_wanted)() {
-            self.stop.stop(StopReason::ClientLeft);
+        if looks.is_multiple_of(LOOKS_PER_CALL) {
+            (self.meanwhile)();
         }
         self.stop.stopped.load(Ordering::Relaxed)
     }

@@ -1,13 +1,16 @@
 //! A client's side: ask, and take the reply part by part.
 
 use std::cell::{Cell, RefCell};
+use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::RequestSendError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::prelude::{AllocationStrategy, Node, PortFactory, PortName, ipc};
+use iceoryx2::prelude::{
+    AllocationStrategy, CallbackProgression, Node, PortFactory, PortName, ipc,
+};
 use schemas::convert;
 use schemas::message::{
     ErrorCode, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
@@ -21,6 +24,7 @@ use crate::domain::{Domain, Tidy};
 use crate::error::{CallError, ConnectError};
 use crate::headers::{Current, ReplyHeader, RequestHeader, UserHeader};
 use crate::ports;
+use crate::process::Process;
 use crate::wait::{self, Wait, Woken};
 
 type Port = iceoryx2::port::client::Client<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
@@ -57,6 +61,9 @@ pub struct Client {
     nonce: u64,
     sequence: Cell<u64>,
     cells: RefCell<Vec<u64>>,
+    plan: ports::Plan<Current>,
+    /// The planner's process, if it can be watched.
+    planner: RefCell<Option<Process>>,
     node: Node<ipc::Service>,
     _tidy: Tidy,
 }
@@ -119,6 +126,8 @@ impl Client {
             nonce,
             sequence: Cell::new(0),
             cells: RefCell::default(),
+            planner: RefCell::new(planner_of(&plan)),
+            plan,
             node,
             _tidy: Tidy(domain.clone()),
         })
@@ -164,30 +173,34 @@ impl Client {
         Ok(Pending { awaited, key, client: self })
     }
 
+    /// Why a reply ends before it is whole.
+    fn lost(&self) -> CallError {
+        let has_ended = self.planner.borrow().as_ref().is_some_and(Process::has_ended);
+        match has_ended || self.plan.dynamic_config().number_of_servers() == 0 {
+            true => CallError::PlannerLost,
+            false => CallError::GivenUp,
+        }
+    }
+
     fn next_key(&self) -> RequestKey {
         RequestKey { client: self.nonce, sequence: self.sequence.get() }
     }
 
-    /// Sends a request and waits for the whole reply. If the planner dies, waits for another
-    /// and asks again.
+    /// Sends a request and waits for the whole reply.
+    ///
+    /// A request whose planner was lost is not sent again: it may be the cause.
     pub fn call(&self, scene: &SceneRequest, limit: Duration) -> Result<Reply, CallError> {
-        let begin = Instant::now();
-        let until = begin + limit;
+        let (begin, until) = (Instant::now(), Instant::now() + limit);
         loop {
             let mut pending = self.send(scene)?;
-            match pending.wait(until) {
-                Err(CallError::PlannerGone) if Instant::now() < until => {
-                    drop(pending);
-                    self.node.try_cleanup_dead_nodes();
-                    std::thread::sleep(Duration::from_millis(20));
-                }
+            let mut parts = 0;
+            match pending.wait_for_all(until, &mut parts) {
+                // The end of an earlier client's request can end this one: nobody saw it.
+                Err(CallError::GivenUp) if parts == 0 && Instant::now() < until => {}
                 Err(CallError::TimedOut { .. }) => {
                     return Err(CallError::TimedOut { waited: begin.elapsed(), limit });
                 }
                 done => return done,
-            }
-            if wait::terminated() {
-                return Err(CallError::Interrupted);
             }
         }
     }
@@ -206,7 +219,17 @@ impl Client {
     }
 }
 
-/// A request being answered. Dropping it stops the planner from sending.
+/// The process of the planner that serves these requests.
+fn planner_of(plan: &ports::Plan<Current>) -> Option<Process> {
+    let mut node = None;
+    plan.dynamic_config().list_servers(|server| {
+        node = Some(server.node_id);
+        CallbackProgression::Continue
+    });
+    Process::of(node?)
+}
+
+/// A request being answered. Dropping it stops the planner from planning and sending.
 #[derive(Debug)]
 pub struct Pending<'a> {
     awaited: Awaited,
@@ -242,7 +265,7 @@ impl Pending<'_> {
                     );
                 }
                 Ok(None) if connected => return Ok(None),
-                Ok(None) => return Err(CallError::PlannerGone),
+                Ok(None) => return Err(self.client.lost()),
                 Err(error) => return Err(CallError::Receive(error.into())),
             }
         }
@@ -265,31 +288,54 @@ impl Pending<'_> {
                 // A planner that was killed counts as connected until it is cleared away.
                 self.client.node.try_cleanup_dead_nodes();
                 if !self.awaited.is_connected() {
-                    return Err(CallError::PlannerGone);
+                    return Err(self.client.lost());
                 }
                 let waited = now - begin;
                 return Err(CallError::TimedOut { waited, limit: until - begin });
             }
-            let Client { bell, how, .. } = self.client;
-            let woken =
-                wait::wait(*how, bell.as_ref(), Some(until), || self.awaited.has_response());
+            let Client { bell, how, planner, plan, node, .. } = self.client;
+            let process = planner.borrow();
+            let others: Vec<_> = process.iter().map(AsFd::as_fd).collect();
+            let has_response = || self.awaited.has_response();
+            let woken = wait::wait(*how, (bell.as_ref(), &others), Some(until), has_response);
             if woken == Woken::Terminate {
                 return Err(CallError::Interrupted);
             }
-            if now.elapsed() >= wait::NET {
-                self.client.node.try_cleanup_dead_nodes();
+            let has_ended = process.as_ref().is_some_and(Process::has_ended);
+            drop(process);
+            if has_ended || now.elapsed() >= wait::NET {
+                node.try_cleanup_dead_nodes();
+            }
+            if has_ended && self.awaited.is_connected() {
+                // Another serves this request, or somebody else is clearing the dead one away.
+                planner.replace(planner_of(plan));
+                std::thread::sleep(Duration::from_millis(1));
             }
         }
     }
 
     /// Waits for the whole reply, at most until `until`.
     pub fn wait(&mut self, until: Instant) -> Result<Reply, CallError> {
+        self.wait_for_all(until, &mut 0)
+    }
+
+    /// The same, and counts the parts.
+    fn wait_for_all(&mut self, until: Instant, parts: &mut usize) -> Result<Reply, CallError> {
         let mut assembler = ReplyAssembler::default();
         loop {
-            if let Some(reply) = assembler.push(self.wait_part(until)?)? {
+            let part = self.wait_part(until)?;
+            *parts += 1;
+            if let Some(reply) = assembler.push(part)? {
                 return Ok(reply);
             }
         }
+    }
+}
+
+impl Drop for Pending<'_> {
+    fn drop(&mut self) {
+        // The next request in this place needs the room.
+        while let Ok(Some(_)) = self.awaited.receive() {}
     }
 }
 

@@ -95,9 +95,15 @@ pub enum CallError {
     /// What came could not be taken from shared memory.
     #[error("can't receive the reply: {0}")]
     Receive(Cause),
-    /// The planner ended, or gave up the reply because nobody took it.
-    #[error("the planner has ended, or has given up this reply")]
-    PlannerGone,
+    /// The planner ended before it had replied.
+    #[error(
+        "planner_lost: the planner ended before it replied, perhaps because of this request; \
+         if not, send it again"
+    )]
+    PlannerLost,
+    /// The planner gave up the reply because nobody took it.
+    #[error("the planner gave up this reply: no part of it was taken for too long (`patience`)")]
+    GivenUp,
     /// No reply came in time.
     #[error("no reply after {waited:?} (limit {limit:?})")]
     TimedOut {
@@ -137,6 +143,9 @@ pub enum OpenError {
         /// Bytes free.
         free: u64,
     },
+    /// The operating system refuses something.
+    #[error("can't wait for requests: {0}")]
+    System(String),
     /// A service can't be opened.
     #[error("can't open {what} in domain {domain}: {cause}")]
     Service {
@@ -146,6 +155,27 @@ pub enum OpenError {
         domain: Domain,
         /// Why not.
         cause: Cause,
+    },
+}
+
+/// Why a request can't be taken from shared memory.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum ReceiveError {
+    /// It is larger than allowed.
+    #[error("the request has {cells} cells; at most {most} are allowed")]
+    TooLarge {
+        /// Cells that it has.
+        cells: usize,
+        /// Cells allowed.
+        most: usize,
+    },
+    /// Its sender claims more than there is.
+    #[error("the request should have {cells} cells, but its memory ends after {has}")]
+    Short {
+        /// Cells that it claims.
+        cells: usize,
+        /// Cells that are there.
+        has: usize,
     },
 }
 
@@ -161,6 +191,10 @@ pub enum ReplyError {
         /// Time waited.
         patience: Duration,
     },
+    /// Parts of an earlier reply fill the client's buffer. The part is lost: to go on, write it
+    /// again with [`Incoming::push`](crate::Incoming::push).
+    #[error("parts of an earlier reply are in the way")]
+    Full,
     /// The bus refused.
     #[error("can't send the reply: {0}")]
     Bus(Cause),

@@ -7,7 +7,8 @@
 //!
 //! - a reply can reach the wrong client: [`Client`] checks the request key;
 //! - a wake-up can be lost: [`wait`] drains the bell until it is silent;
-//! - a slow or dead client can't hold the server up: see [`ReplyOptions`];
+//! - a slow or dead client can't hold the server up: sending never waits, see [`Incoming`];
+//! - a request can change while it is read, or be shorter than it says: [`Incoming::copy`];
 //! - a slow recorder can't either: it loses messages, and [`TapReader`] counts them.
 //!
 //! # Versions
@@ -30,6 +31,7 @@ mod log;
 mod options;
 mod ports;
 mod previous;
+mod process;
 pub mod server;
 pub mod tap;
 #[cfg(test)]
@@ -40,10 +42,10 @@ pub use cause::Cause;
 pub use client::{Client, Pending};
 pub use clock::now_ns;
 pub use domain::{Domain, DomainError};
-pub use error::{CallError, ConnectError, OpenError, ReplyError};
+pub use error::{CallError, ConnectError, OpenError, ReceiveError, ReplyError};
 pub use log::forward_to_tracing;
 pub use options::{ReplyOptions, ServerOptions};
 pub use ports::most_memory;
-pub use server::{ClientWatch, Incoming, ReplySink, Server};
+pub use server::{ClientWatch, Incoming, ReplySink, Server, Waker};
 pub use tap::{TapEvent, TapMessage, TapReader};
 pub use wait::{Wait, Woken, terminated, termination_signal};

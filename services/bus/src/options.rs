@@ -24,10 +24,10 @@ pub struct ServerOptions {
 impl Default for ServerOptions {
     fn default() -> Self {
         Self {
-            max_clients: 32,
-            requests_per_client: 4,
+            max_clients: 64,
+            requests_per_client: 2,
             max_recorders: 2,
-            tap_buffer: 1024,
+            tap_buffer: 768,
             wait: Wait::Hybrid,
             reply: ReplyOptions::default(),
         }
@@ -38,7 +38,7 @@ impl Default for ServerOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReplyOptions {
     /// How long a part waits for a client whose buffer is full before the rest of the reply
-    /// is given up: the longest that a frozen or dead client can hold up the others.
+    /// is given up. It holds up nobody else.
     pub patience: Duration,
 }
 

@@ -3,8 +3,6 @@
 //! Payloads have the alignment of their cells: with that of a cache line, iceoryx2 would
 //! reserve a line for every cell.
 
-use std::time::Duration;
-
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::server::Server;
@@ -37,7 +35,7 @@ fn name(name: &str) -> ServiceName {
 }
 
 /// Parts of one reply that wait in shared memory for the client to take them.
-pub(crate) const REPLY_BUFFER: usize = 8;
+pub(crate) const REPLY_BUFFER: usize = 4;
 
 /// Parts of one reply that a client holds at a time.
 const BORROWED: usize = 2;
@@ -52,7 +50,8 @@ pub(crate) fn create_plan<V: Version>(
     node: &Node<ipc::Service>,
     options: &ServerOptions,
 ) -> Result<Plan<V>, Cause> {
-    node.service_builder(&name(V::PLAN))
+    let created = node
+        .service_builder(&name(V::PLAN))
         .request_response::<[u64], [u64]>()
         .request_user_header::<V::Request>()
         .response_user_header::<V::Reply>()
@@ -68,7 +67,26 @@ pub(crate) fn create_plan<V: Version>(
         .max_response_buffer_size(REPLY_BUFFER)
         .max_borrowed_responses_per_pending_response(BORROWED)
         .open_or_create()
-        .map_err(Cause::from)
+        .map_err(Cause::from);
+    or_as_it_is(created, || open_plan::<V>(node))
+}
+
+/// A service that programs still have open, from a planner with smaller settings, is served as it
+/// is: they would lose their connection otherwise.
+fn or_as_it_is<T>(
+    created: Result<T, Cause>,
+    open: impl FnOnce() -> Result<T, Cause>,
+) -> Result<T, Cause> {
+    match created {
+        Err(Cause::Smaller) => {
+            tracing::warn!(
+                "programs are still connected from before, to a planner with smaller settings \
+                 (max_clients, requests_per_client); these stay as they were until all have left"
+            );
+            open()
+        }
+        created => created,
+    }
 }
 
 pub(crate) fn open_plan<V: Version>(node: &Node<ipc::Service>) -> Result<Plan<V>, Cause> {
@@ -84,7 +102,6 @@ pub(crate) fn open_plan<V: Version>(node: &Node<ipc::Service>) -> Result<Plan<V>
 /// memory from the number that all clients together can hold.
 pub(crate) fn create_plan_server<V: Version>(
     plan: &Plan<V>,
-    patience: Duration,
     parts: fn(usize) -> usize,
 ) -> Result<PlanServer<V>, ServerCreateError> {
     plan.server_builder()
@@ -93,13 +110,8 @@ pub(crate) fn create_plan_server<V: Version>(
         .override_response_preallocation(parts)
         .max_loaned_responses_per_request(LOANED)
         .backpressure_strategy(BackpressureStrategy::DiscardData)
-        .set_backpressure_handler(move |waiting| {
-            if waiting.elapsed_time < patience {
-                BackpressureAction::Retry
-            } else {
-                BackpressureAction::DiscardDataAndFail
-            }
-        })
+        // The planner does not wait: it keeps the part and tries again later.
+        .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
         .create()
 }
 
@@ -150,13 +162,16 @@ fn bell(
     listeners: usize,
     notifiers: usize,
 ) -> Result<Bell, Cause> {
-    node.service_builder(&name(topic))
+    let created = node
+        .service_builder(&name(topic))
         .event()
         .max_listeners(listeners)
         .max_notifiers(notifiers)
         .max_nodes(listeners + notifiers + 4)
         .open_or_create()
-        .map_err(Cause::from)
+        .map_err(Cause::from);
+    let open = || node.service_builder(&name(topic)).event().open().map_err(Cause::from);
+    or_as_it_is(created, open)
 }
 
 pub(crate) fn open_wake(node: &Node<ipc::Service>) -> Result<Bell, Cause> {
@@ -168,10 +183,10 @@ pub(crate) fn open_answered(node: &Node<ipc::Service>) -> Result<Bell, Cause> {
 }
 
 /// Reply parts in memory for clients of the previous version: as all of them share the
-/// places of `max_clients` with those of the current one, a quarter of what they could
-/// hold, and always what one client can.
+/// places of `max_clients` with those of the current one, an eighth of what they could
+/// hold, and always what one client can. A part that finds none waits.
 pub(crate) fn previous_parts(all: usize) -> usize {
-    (all / 4).max(REPLY_BUFFER + BORROWED + LOANED)
+    (all / 8).max(REPLY_BUFFER + BORROWED + LOANED)
 }
 
 /// The most shared memory that the planner's side can come to use, bytes: every buffer full

@@ -1,14 +1,21 @@
 //! The planner's side: requests in, replies out, part by part.
 
+mod copy;
+mod deaths;
 mod reply;
 mod ringer;
+mod waker;
 
 pub use reply::{ClientWatch, Incoming, ReplySink};
+pub use waker::Waker;
 
-use std::time::Instant;
+use std::cell::RefCell;
+use std::os::fd::AsFd;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{Node, ipc};
+use iceoryx2::prelude::{CallbackProgression, Node, PortFactory, ipc};
 use iceoryx2::service::port_factory::server::ServerCreateError;
 
 use crate::cause::Cause;
@@ -20,7 +27,8 @@ use crate::ports::{self, PlanRequest, PlanServer};
 use crate::previous::Previous;
 use crate::tap::TapWriter;
 use crate::wait::{self, Wait, Woken};
-use reply::{Active, Desk, SWEEP, Scratch};
+use deaths::Deaths;
+use reply::{Active, Desk};
 use ringer::Ringer;
 
 /// Takes requests and answers them, in the current and the previous version of the messages.
@@ -47,6 +55,7 @@ use ringer::Ringer;
 /// let mut header = ReplyHeader { version: VERSION, client, sequence, ..Default::default() };
 /// let refusal = Refusal::new(ErrorCode::NoRoute, "there are no channels");
 /// convert::write_refusal(&refusal, &mut header, true, &mut incoming.reply())?;
+/// incoming.finish()?;
 ///
 /// let reply = pending.wait(std::time::Instant::now() + std::time::Duration::from_secs(5))?;
 /// assert_eq!(reply.answers.unwrap_err().code, ErrorCode::NoRoute);
@@ -62,7 +71,10 @@ pub struct Server {
     previous_first: bool,
     /// None if the planner polls.
     bell: Option<Listener<ipc::Service>>,
-    desk: Desk,
+    plans: (ports::Plan<Previous>, ports::Plan<Current>),
+    desk: Rc<RefCell<Desk>>,
+    waker: Waker,
+    deaths: Deaths,
     /// Clients open it; a service without a port disappears with its last factory.
     _wake: ports::Bell,
     node: Node<ipc::Service>,
@@ -89,8 +101,10 @@ impl Server {
         const WAKE: &str = "the event that wakes the planner";
         const ANSWERED: &str = "the event that wakes clients";
         const TAP: &str = "the tap for recorders";
-        let current = ports::create_plan::<Current>(&node, options).map_err(failed(REQUESTS))?;
-        let previous = ports::create_plan::<Previous>(&node, options).map_err(failed(REQUESTS))?;
+        let current_plan =
+            ports::create_plan::<Current>(&node, options).map_err(failed(REQUESTS))?;
+        let previous_plan =
+            ports::create_plan::<Previous>(&node, options).map_err(failed(REQUESTS))?;
         let wake = ports::create_wake(&node, options).map_err(failed(WAKE))?;
         let answered = ports::create_answered(&node, options).map_err(failed(ANSWERED))?;
         let tap = ports::create_tap(&node, options).map_err(failed(TAP))?;
@@ -101,12 +115,10 @@ impl Server {
             }
             error => failed(REQUESTS)(error.into()),
         };
-        let patience = options.reply.patience;
         let current =
-            ports::create_plan_server::<Current>(&current, patience, |all| all).map_err(port)?;
-        let previous =
-            ports::create_plan_server::<Previous>(&previous, patience, ports::previous_parts)
-                .map_err(port)?;
+            ports::create_plan_server::<Current>(&current_plan, |all| all).map_err(port)?;
+        let previous = ports::create_plan_server::<Previous>(&previous_plan, ports::previous_parts)
+            .map_err(port)?;
         let bell = match options.wait {
             Wait::Poll => None,
             Wait::Event | Wait::Hybrid => {
@@ -119,15 +131,20 @@ impl Server {
         let desk = Desk {
             ringer: Ringer::new(ringer, options.max_clients),
             tap: TapWriter::create(tap).map_err(failed(TAP))?,
-            scratch: Scratch::default(),
-            patience,
+            patience: options.reply.patience,
+            old: Vec::new(),
+            spare: reply::Spare::default(),
         };
+        let waker = Waker::new().map_err(|error| OpenError::System(error.to_string()))?;
         Ok(Self {
             previous,
             current,
             previous_first: false,
             bell,
-            desk,
+            plans: (previous_plan, current_plan),
+            desk: Rc::new(RefCell::new(desk)),
+            waker,
+            deaths: Deaths::default(),
             _wake: wake,
             node,
             how: options.wait,
@@ -136,8 +153,8 @@ impl Server {
         })
     }
 
-    /// The next request, if one waits. The tap gets a copy at once.
-    pub fn receive(&mut self) -> Option<Incoming<'_>> {
+    /// The next request, if one waits.
+    pub fn receive(&mut self) -> Option<Incoming> {
         let current = || take::<Current>(&self.current).map(Active::Current);
         let previous = || take::<Previous>(&self.previous).map(Active::Previous);
         let active = match self.previous_first {
@@ -145,24 +162,74 @@ impl Server {
             false => current().or_else(previous),
         }?;
         self.previous_first = matches!(active, Active::Current(_));
-        self.desk.tap.request(&active.header(), active.payload());
-        Some(Incoming { active, desk: &mut self.desk, node: &self.node })
+        Some(Incoming::new(active, Rc::clone(&self.desk)))
     }
 
-    /// Waits for a request or for a signal to end, at most [`wait::NET`].
-    pub fn wait(&mut self) -> Woken {
-        let (current, previous) = (&self.current, &self.previous);
-        let asked =
-            || current.has_requests().unwrap_or(true) || previous.has_requests().unwrap_or(true);
-        let woken = wait::wait(self.how, self.bell.as_ref(), None, asked);
-        self.desk.tap.heartbeat();
-        // The dead keep their memory, and a dead recorder keeps the tap busy, until somebody
-        // cleans up.
-        if self.swept.elapsed() >= SWEEP && !asked() {
-            self.node.try_cleanup_dead_nodes();
-            self.swept = Instant::now();
+    /// Whether a request waits, or another thread has woken this server.
+    pub fn has_work(&self) -> bool {
+        let has_requests = || {
+            self.current.has_requests().unwrap_or(true)
+                || self.previous.has_requests().unwrap_or(true)
+        };
+        self.waker.is_woken() || has_requests()
+    }
+
+    /// Wakes this server from another thread.
+    pub fn waker(&self) -> Waker {
+        self.waker.clone()
+    }
+
+    /// Waits for a request, for the waker or for a signal to end, at most until `until` and at
+    /// most [`wait::NET`].
+    pub fn wait(&mut self, until: Option<Instant>) -> Woken {
+        let others: Vec<_> =
+            std::iter::once(self.waker.as_fd()).chain(self.deaths.processes()).collect();
+        let woken = wait::wait(self.how, (self.bell.as_ref(), &others), until, || self.has_work());
+        let died = self.deaths.any();
+        self.waker.reset();
+        self.desk.borrow_mut().tap.heartbeat();
+        if died || self.swept.elapsed() >= SWEEP {
+            self.sweep();
         }
         woken
+    }
+
+    /// Waits for the waker only, whatever signals have come, at most until `until`.
+    pub fn rest(&mut self, until: Instant) {
+        let most = until.saturating_duration_since(Instant::now()).min(wait::NET);
+        wait::sleep_for(&self.waker, most);
+        self.waker.reset();
+        self.desk.borrow_mut().tap.heartbeat();
+    }
+
+    /// From now on a wait ends at once when the client of this request dies, if its process can be
+    /// watched from here; otherwise its death is noticed within a second.
+    pub fn watch(&mut self, incoming: &Incoming) {
+        let client = incoming.client_id();
+        let deaths = &mut self.deaths;
+        let (previous, current) = &self.plans;
+        let mut watch = |id, node| match id == client {
+            true => {
+                deaths.watch(node);
+                CallbackProgression::Stop
+            }
+            false => CallbackProgression::Continue,
+        };
+        current.dynamic_config().list_clients(|client| watch(client.client_id, client.node_id));
+        previous.dynamic_config().list_clients(|client| watch(client.client_id, client.node_id));
+    }
+
+    /// Nobody waits for a reply any more.
+    pub fn watch_nobody(&mut self) {
+        self.deaths.clear();
+    }
+
+    /// Clears away the peers that died. The dead keep their memory, and a dead recorder keeps the
+    /// tap busy, until somebody does.
+    pub fn sweep(&mut self) {
+        self.node.try_cleanup_dead_nodes();
+        self.deaths.forget_dead();
+        self.swept = Instant::now();
     }
 
     /// Whether a signal has asked to end; for use under unbroken load.
@@ -170,6 +237,9 @@ impl Server {
         wait::terminated()
     }
 }
+
+/// How often a planner looks for peers that died: about 0.1 ms for each that lives.
+const SWEEP: Duration = Duration::from_secs(1);
 
 /// The next request of a version.
 fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {

@@ -4,8 +4,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
+use std::os::fd::{AsFd, BorrowedFd};
+
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::ipc;
+use iceoryx2::prelude::{FileDescriptorBased, ipc};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 /// How a process waits for messages.
@@ -40,12 +43,13 @@ pub enum Woken {
     Terminate,
 }
 
-/// Waits until `ready` holds or the bell rings, at most until `until`, at most [`NET`].
+/// Waits until `ready` holds, the bell rings or one of `others` can be read, at most until
+/// `until`, at most [`NET`].
 ///
 /// A poller has no bell, so the other side rings none.
 pub(crate) fn wait(
     how: Wait,
-    bell: Option<&Listener<ipc::Service>>,
+    (bell, others): (Option<&Listener<ipc::Service>>, &[BorrowedFd<'_>]),
     until: Option<Instant>,
     mut ready: impl FnMut() -> bool,
 ) -> Woken {
@@ -71,7 +75,7 @@ pub(crate) fn wait(
     if !terminated()
         && let Some(bell) = bell
     {
-        sleep(bell, end, ready);
+        sleep((bell, others), end, ready);
     }
     if terminated() { Woken::Terminate } else { Woken::Look }
 }
@@ -91,7 +95,11 @@ enum Ended {
 ///
 /// The bell is silenced *before* the last look, so whoever rings afterwards wakes the
 /// sleeper. In the other order, what came between look and silence would be missed.
-fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() -> bool) -> Ended {
+fn sleep(
+    (bell, others): (&Listener<ipc::Service>, &[BorrowedFd<'_>]),
+    end: Instant,
+    mut ready: impl FnMut() -> bool,
+) -> Ended {
     silence(bell);
     for most in [NAP, NET] {
         if ready() {
@@ -101,11 +109,35 @@ fn sleep(bell: &Listener<ipc::Service>, end: Instant, mut ready: impl FnMut() ->
         if rest.is_zero() || terminated() {
             break;
         }
-        if bell.timed_wait(|_| {}, rest.min(most)).is_ok_and(|rings| rings != 0) {
+        let rung = match others {
+            [] => bell.timed_wait(|_| {}, rest.min(most)).is_ok_and(|rings| rings != 0),
+            others => sleep_for_any(bell, others, rest.min(most)),
+        };
+        if rung {
             return Ended::Rung;
         }
     }
     Ended::Unrung
+}
+
+/// Sleeps until `source` can be read, at most so long.
+pub(crate) fn sleep_for(source: impl AsFd, most: Duration) {
+    let most = Timespec::try_from(most).ok();
+    // A signal ends it as well.
+    let _ = poll(&mut [PollFd::new(&source, PollFlags::IN)], most.as_ref());
+}
+
+/// Whether the bell rang or one of `others` can be read, before the time was over.
+fn sleep_for_any(bell: &Listener<ipc::Service>, others: &[BorrowedFd<'_>], most: Duration) -> bool {
+    #[expect(unsafe_code, reason = "iceoryx2 lends its file descriptor as a number only")]
+    // SAFETY: it stays open as long as the listener, which is borrowed here.
+    let bell = unsafe { BorrowedFd::borrow_raw(bell.file_descriptor().native_handle()) };
+    let mut all: Vec<_> = std::iter::once(&bell)
+        .chain(others)
+        .map(|source| PollFd::new(source, PollFlags::IN))
+        .collect();
+    let most = Timespec::try_from(most).ok();
+    poll(&mut all, most.as_ref()).is_ok_and(|ready| ready > 0)
 }
 
 /// Takes up all rings until a round finds none, which leaves the bell unmarked.

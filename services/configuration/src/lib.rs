@@ -4,6 +4,7 @@
 //! bus: [`Config`] only says what the bus is to be opened with.
 
 use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
 
 use answer::{CACHE_BYTES, Caps};
 use serde::Deserialize;
@@ -25,6 +26,14 @@ pub struct Config {
     pub tap_buffer: usize,
     /// How long a reply waits for a client that does not take it, seconds.
     pub patience: f64,
+    /// How many requests are planned at a time. 0: one for each core but one, at least 1.
+    pub workers: usize,
+    /// The most requests that wait for a worker; further ones are refused as `overloaded`.
+    pub queue: usize,
+    /// Their size, bytes; and the size of reply parts that no client has taken yet.
+    pub queue_bytes: usize,
+    /// How long requests in hand are planned on when the planner is asked to end, seconds.
+    pub grace: f64,
     /// The most memory kept from one request to the next, bytes: mostly channels, junctions and
     /// walls for requests over the same free space. 0 keeps nothing.
     pub cache: usize,
@@ -83,11 +92,15 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             wait: WaitFor::Hybrid,
-            max_clients: 32,
-            requests_per_client: 4,
+            max_clients: 64,
+            requests_per_client: 2,
             max_recorders: 2,
-            tap_buffer: 1024,
+            tap_buffer: 768,
             patience: 0.1,
+            workers: 0,
+            queue: 256,
+            queue_bytes: 256 << 20,
+            grace: 2.0,
             cache: CACHE_BYTES,
             caps: Caps::default(),
         }
@@ -107,13 +120,26 @@ impl Config {
         Ok(config)
     }
 
-    fn check(&self, path: &Path) -> Result<(), ConfigError> {
+    /// How many requests are planned at a time on this machine.
+    pub fn workers(&self) -> usize {
+        match self.workers {
+            0 => available_parallelism().map_or(1, |cores| cores.get().saturating_sub(1).max(1)),
+            workers => workers,
+        }
+    }
+
+    /// Checks that every setting is in its range; `path` says where they are from.
+    pub fn check(&self, path: &Path) -> Result<(), ConfigError> {
         let bounds = [
             ("max_clients", self.max_clients as f64, 1.0, 1024.0),
             ("requests_per_client", self.requests_per_client as f64, 1.0, 64.0),
             ("max_recorders", self.max_recorders as f64, 1.0, 16.0),
             ("tap_buffer", self.tap_buffer as f64, 1.0, 1_048_576.0),
             ("patience", self.patience, 0.0, 60.0),
+            ("workers", self.workers as f64, 0.0, 256.0),
+            ("queue", self.queue as f64, 0.0, 65_536.0),
+            ("queue_bytes", self.queue_bytes as f64, 0.0, (1_u64 << 40) as f64),
+            ("grace", self.grace, 0.0, 3600.0),
             ("cache", self.cache as f64, 0.0, (1_u64 << 40) as f64),
         ];
         for (field, value, least, most) in bounds.into_iter().chain(self.caps.ranges()) {

@@ -1,8 +1,11 @@
 //! The planner process: a service loop on the bus around [`answer::Workspace`].
 //!
 //! Whatever happens to a request happens in `answer`; this crate takes requests from the bus,
-//! writes their replies to it, keeps a defect from ending the service, and logs. It does not know
+//! has them planned by several threads, writes their replies to it, keeps a defect from ending the
+//! service, and logs. It does not know
 //! geometry, recordings or JSON.
 
+mod queue;
 pub mod service;
-mod watchdog;
+mod turns;
+mod workers;

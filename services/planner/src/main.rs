@@ -1,7 +1,7 @@
 //! The planner process; see `planner --help`.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use answer::CacheStats;
@@ -19,11 +19,15 @@ use program::{Diagnostics, Exit};
     after_help = "\
 Settings in FILE (TOML), with their defaults:
   wait = \"hybrid\"          # \"event\" sleeps, \"poll\" takes a core, \"hybrid\" spins, then sleeps
-  max_clients = 32         # clients connected at a time
-  requests_per_client = 4  # open requests of one client
+  max_clients = 64         # clients connected at a time
+  requests_per_client = 2  # open requests of one client
   max_recorders = 2        # recorders connected at a time
-  tap_buffer = 1024        # messages kept for a slow recorder
+  tap_buffer = 768         # messages kept for a slow recorder
   patience = 0.1           # seconds that a reply waits for a client that does not take it
+  workers = 0              # requests planned at a time; 0: one for each core but one
+  queue = 256              # requests that wait for a worker; more are refused as overloaded
+  queue_bytes = 268435456  # bytes of requests that wait, and of replies not taken yet
+  grace = 2.0              # seconds for what is in hand when the planner is asked to end
   cache = 268435456        # bytes kept between requests, mostly of free spaces; 0 keeps none
   [caps]                   # what one request may cost; more is refused as too_costly
   cells = 67108864         # size of the request, in cells of 8 bytes
@@ -44,6 +48,9 @@ struct Arguments {
     /// Reads settings from a file
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    /// Plans on with what is in hand for so long when asked to end
+    #[arg(long, value_name = "SECONDS")]
+    grace: Option<f64>,
     /// Serves this domain; systems in different domains do not see each other
     #[arg(long, value_name = "NAME")]
     domain: Option<Domain>,
@@ -59,14 +66,18 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
-    let config = match &arguments.config {
+    let mut config = match &arguments.config {
         Some(path) => Config::read(path)?,
         None => Config::default(),
     };
+    if let Some(grace) = arguments.grace {
+        config.grace = grace;
+        config.check(Path::new("--grace"))?;
+    }
     let domain = arguments.domain.unwrap_or_default();
     let mut server = Server::open(&domain, &server_options(&config))?;
-    tracing::info!(%domain, wait = ?config.wait, "ready");
-    let served = serve(&mut server, &config);
+    tracing::info!(%domain, wait = ?config.wait, workers = config.workers(), "ready");
+    let served = serve(&mut server, &config)?;
     let CacheStats { hits, misses, bytes, .. } = served.cache;
     tracing::info!(
         requests = served.requests,

@@ -1,22 +1,44 @@
-//! The service loop: take a request, answer it, wait.
+//! The sequencer: one thread that owns the bus, takes requests in turn and sends their replies.
+//!
+//! A request is answered here at once as long as that is quick: handing it to a worker takes longer
+//! than most answers. One that turns out long is begun anew by a worker ([`crate::workers`]), whose
+//! parts come back here to be sent. Nothing in this thread waits for a client or for a worker.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use answer::{CacheStats, StopFlag, Workspace};
-use bus::{Incoming, ReplyOptions, Server, ServerOptions, Wait, Woken};
+use answer::{CacheStats, StopFlag, StopReason, Store, Workspace};
+use bus::{Incoming, ReplyError, ReplyOptions, ReplySink, Server, ServerOptions, Wait, Woken};
 use configuration::{Config, WaitFor};
+use schemas::convert::{CellWriter, PartSink};
 use schemas::message::{ErrorCode, Refusal};
-use schemas::wire::{RequestHeader, given};
+use schemas::wire::{ReplyHeader, RequestHeader, given};
 
-use crate::watchdog::Watchdog;
+use crate::queue::{Job, QueueLimits, Waiting};
+use crate::workers::{Outcome, Workers, internal_error};
 
-/// After this many requests without a pause the loop looks for signals.
-const WITHOUT_PAUSE: u32 = 64;
+/// After this many requests without a pause the loop looks after the others in hand.
+const WITHOUT_PAUSE: u32 = 8;
 
 /// The memory of requests that are not larger than this is used again, cells.
 const KEPT_CELLS: usize = 1 << 17;
+
+/// How long a request is planned here while others wait: about as long as handing it over takes.
+const SLICE: Duration = Duration::from_micros(250);
+
+/// How long a request is planned here at most.
+const LONGEST: Duration = Duration::from_millis(5);
+
+/// How often clients of requests in hand are looked for, and their deadlines.
+const LOOK: Duration = Duration::from_millis(4);
+
+/// How often a part that found no room is tried again.
+const RETRY: Duration = Duration::from_micros(500);
+
+/// How long workers and clients have for what is left when the grace is over.
+const LAST_WORDS: Duration = Duration::from_millis(300);
 
 /// What a planner has done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -25,47 +47,440 @@ pub struct Served {
     pub requests: u64,
     /// Replies that their client did not take, or that had no client any more.
     pub undelivered: u64,
-    /// What the cache did since the last defect, if there was one.
+    /// What the cache did.
     pub cache: CacheStats,
 }
 
-/// Serves until a signal asks it to end.
-pub fn serve(server: &mut Server, config: &Config) -> Served {
-    let workspace = new_workspace(config);
-    let mut memory = Memory {
-        config,
-        cells: Vec::new(),
-        workspace,
-        stop: Arc::default(),
-        watchdog: Watchdog::start(bus::terminated),
-    };
-    let mut served = Served::default();
-    loop {
-        let mut without_pause = 0;
-        while without_pause < WITHOUT_PAUSE
-            && let Some(incoming) = server.receive()
+/// Serves until a signal asks it to end, and then what is in hand for as long as
+/// [`Config::grace`] says.
+///
+/// # Errors
+///
+/// If the operating system starts no threads.
+pub fn serve(server: &mut Server, config: &Config) -> std::io::Result<Served> {
+    let mut service = Service::start(server, config)?;
+    while !service.step() {}
+    Ok(service.end())
+}
+
+struct Service<'a> {
+    server: &'a mut Server,
+    config: &'a Config,
+    store: Store,
+    workspace: Workspace,
+    workers: Workers,
+    /// Requests that are not answered in full, by their ticket.
+    in_hand: BTreeMap<u64, InHand>,
+    next_ticket: u64,
+    cells: Vec<u64>,
+    served: Served,
+    /// Set once the process is asked to end.
+    closing: Option<Closing>,
+    looked: Instant,
+}
+
+/// How a service ends.
+#[derive(Debug, Clone, Copy)]
+struct Closing {
+    /// Whether what is in hand is still planned.
+    graceful: bool,
+    until: Instant,
+}
+
+/// A request that a worker has, or whose reply is still being sent.
+#[derive(Debug)]
+struct InHand {
+    incoming: Incoming,
+    stop: Arc<StopFlag>,
+    deadline: Option<Instant>,
+    /// Whether it still waits for a worker.
+    waits: bool,
+    /// Whether all parts of its reply are written.
+    is_written: bool,
+    /// Bytes of its parts that a worker wrote and nobody took.
+    unsent: usize,
+}
+
+/// How answering here at once ended.
+enum AtOnce {
+    Written,
+    /// A worker goes on after so many parts.
+    HandedOver(usize),
+    Failed(ReplyError),
+}
+
+impl<'a> Service<'a> {
+    fn start(server: &'a mut Server, config: &'a Config) -> std::io::Result<Self> {
+        let store = Store::new(config.cache);
+        let limits = QueueLimits { requests: config.queue, bytes: config.queue_bytes };
+        let planning = (config.caps, &store);
+        let workers = Workers::start(config.workers(), limits, planning, &server.waker())?;
+        Ok(Self {
+            server,
+            config,
+            workspace: Workspace::sharing(config.caps, &store),
+            store,
+            workers,
+            in_hand: BTreeMap::new(),
+            next_ticket: 0,
+            cells: Vec::new(),
+            served: Served::default(),
+            closing: None,
+            looked: Instant::now(),
+        })
+    }
+
+    /// Does what there is to do, and waits for more. Whether the service has ended.
+    fn step(&mut self) -> bool {
+        self.hear_workers();
+        let mut taken = 0;
+        while taken < WITHOUT_PAUSE
+            && let Some(incoming) = self.server.receive()
         {
-            memory.serve(incoming, &mut served);
-            without_pause += 1;
+            self.take(incoming);
+            taken += 1;
         }
-        let pressed = without_pause == WITHOUT_PAUSE;
-        if (pressed && server.terminated()) || server.wait() == Woken::Terminate {
-            return Served { cache: memory.workspace.cache_stats(), ..served };
+        if !self.in_hand.is_empty() {
+            self.look_after();
         }
+        if self.closing.is_none() && self.server.terminated() {
+            let grace = Duration::from_secs_f64(self.config.grace);
+            tracing::info!(in_hand = self.in_hand.len(), ?grace, "ending");
+            self.closing = Some(Closing { graceful: true, until: Instant::now() + grace });
+        }
+        match self.closing {
+            Some(_) if self.in_hand.is_empty() => return true,
+            Some(Closing { graceful, until }) if Instant::now() >= until => {
+                if !graceful {
+                    return true;
+                }
+                self.refuse_all();
+                let until = Instant::now() + LAST_WORDS;
+                self.closing = Some(Closing { graceful: false, until });
+            }
+            Some(_) => self.server.rest(self.next_look()),
+            None if taken == WITHOUT_PAUSE => {}
+            None => {
+                let until = (!self.in_hand.is_empty()).then(|| self.next_look());
+                if self.server.wait(until) == Woken::Look && self.in_hand.is_empty() {
+                    self.server.watch_nobody();
+                }
+            }
+        }
+        false
+    }
+
+    /// When to look after what is in hand.
+    fn next_look(&self) -> Instant {
+        let now = Instant::now();
+        let held_up = self.in_hand.values().any(|request| request.incoming.is_held_up());
+        let deadlines = self.in_hand.values().filter_map(|request| request.deadline);
+        let next = if held_up { now + RETRY } else { now + LOOK };
+        deadlines.fold(next, Instant::min)
+    }
+
+    fn take(&mut self, mut incoming: Incoming) {
+        self.served.requests += 1;
+        let header = incoming.header();
+        let caps = &self.config.caps;
+        // Don't even copy what is too large.
+        let readable = caps.check_cells(incoming.cells()).and_then(|()| {
+            incoming
+                .copy(caps.cells, &mut self.cells)
+                .map_err(|error| Refusal::new(ErrorCode::InvalidScene, error.to_string()))
+        });
+        if let Err(refusal) = readable {
+            return self.refuse(incoming, &refusal);
+        }
+        if self.closing.is_some() {
+            return self.refuse(incoming, &shutting_down());
+        }
+        let deadline = deadline(&header);
+        let waits_in_line = self
+            .in_hand
+            .values()
+            .any(|other| other.waits && other.incoming.header().client == header.client);
+        let answered = match waits_in_line {
+            // The requests of a client begin in order.
+            true => AtOnce::HandedOver(0),
+            false => self.answer_at_once(&mut incoming, &header, deadline),
+        };
+        match answered {
+            AtOnce::HandedOver(written) => self.hand_over(incoming, header, deadline, written),
+            AtOnce::Written => self.sent(incoming),
+            AtOnce::Failed(error) => self.undelivered(&header, &error),
+        }
+        self.cells.clear();
+        self.cells.shrink_to(KEPT_CELLS);
+    }
+
+    /// Answers a request in this thread, unless it takes too long.
+    fn answer_at_once(
+        &mut self,
+        incoming: &mut Incoming,
+        header: &RequestHeader,
+        deadline: Option<Instant>,
+    ) -> AtOnce {
+        let Self { server, workspace, cells, in_hand, .. } = self;
+        let (stop, begun, alone) = (StopFlag::new(), Instant::now(), in_hand.is_empty());
+        let (sink, client) = incoming.reply_to_client();
+        let meanwhile = || {
+            let now = Instant::now();
+            let took = now.duration_since(begun);
+            if deadline.is_some_and(|deadline| now >= deadline) {
+                stop.stop(StopReason::Deadline);
+            } else if !client.is_waiting() {
+                stop.stop(StopReason::ClientLeft);
+            } else if took >= LONGEST || took >= SLICE && (!alone || server.has_work()) {
+                stop.stop(StopReason::HandedOver);
+            }
+        };
+        let mut sink = Sink { sink, stop: &stop, meanwhile: &meanwhile };
+        let answered = catch_unwind(AssertUnwindSafe(|| {
+            workspace.answer_while(header, cells, (&stop, &meanwhile), &mut sink)
+        }));
+        let written = sink.sink.written();
+        match answered {
+            Ok(Ok(())) => AtOnce::Written,
+            Ok(Err(Ended::HandedOver | Ended::Failed(ReplyError::Full))) => {
+                AtOnce::HandedOver(written)
+            }
+            Ok(Err(Ended::Failed(error))) => AtOnce::Failed(error),
+            Err(_) => {
+                // A defect in planning must not take the service with it.
+                self.workspace = Workspace::sharing(self.config.caps, &self.store);
+                match Workspace::refuse(header, &internal_error(), &mut incoming.reply()) {
+                    Ok(()) => AtOnce::Written,
+                    Err(error) => AtOnce::Failed(error),
+                }
+            }
+        }
+    }
+
+    /// Gives a request to a worker, or refuses it if too many wait.
+    fn hand_over(
+        &mut self,
+        incoming: Incoming,
+        header: RequestHeader,
+        deadline: Option<Instant>,
+        written: usize,
+    ) {
+        let ticket = self.next_ticket;
+        self.next_ticket += 1;
+        let stop = Arc::new(StopFlag::new());
+        let cells = std::mem::take(&mut self.cells);
+        let job = Job { ticket, header, cells, stop: Arc::clone(&stop), deadline, written };
+        if let Err((job, waiting)) = self.workers.add(job) {
+            self.cells = job.cells;
+            return self.refuse(incoming, &self.overloaded(waiting));
+        }
+        self.server.watch(&incoming);
+        let request =
+            InHand { incoming, stop, deadline, waits: true, is_written: false, unsent: 0 };
+        self.in_hand.insert(ticket, request);
+    }
+
+    fn overloaded(&self, Waiting { requests, bytes }: Waiting) -> Refusal {
+        let Config { queue, queue_bytes, .. } = self.config;
+        let message = format!(
+            "{requests} requests of {bytes} bytes are waiting; the planner lets {queue} wait \
+             (`queue`), of {queue_bytes} bytes (`queue_bytes`): send this one again later"
+        );
+        let (has, most) = (Some(requests as f64), Some(*queue as f64));
+        Refusal { has, most, ..Refusal::new(ErrorCode::Overloaded, message) }
+    }
+
+    /// Takes what the workers have to tell.
+    fn hear_workers(&mut self) {
+        while let Some(told) = self.workers.told() {
+            let Some(request) = self.in_hand.get_mut(&told.ticket) else {
+                // Given up meanwhile.
+                if let Outcome::Part(_, cells) = told.what {
+                    self.workers.free(size_of_val(cells.as_slice()));
+                }
+                continue;
+            };
+            match told.what {
+                Outcome::Begun => request.waits = false,
+                Outcome::Part(header, cells) => {
+                    request.unsent += size_of_val(cells.as_slice());
+                    if let Err(error) = request.incoming.push(*header, cells) {
+                        self.give_up(told.ticket, &error);
+                    }
+                }
+                Outcome::Done => request.is_written = true,
+            }
+        }
+    }
+
+    /// Sends what there is room for now, and gives up what nobody waits for or what took too long.
+    fn look_after(&mut self) {
+        let now = Instant::now();
+        let look = now.duration_since(self.looked) >= LOOK;
+        if look {
+            self.looked = now;
+        }
+        let mut ended = Vec::new();
+        for (ticket, request) in &mut self.in_hand {
+            let sent = match look && !request.incoming.is_waiting() {
+                true => Err(ReplyError::Gone),
+                false => request.incoming.flush(),
+            };
+            match sent {
+                Ok(left) => {
+                    // What is sent at once has no bytes here.
+                    let gone = request.unsent.saturating_sub(left);
+                    request.unsent -= gone;
+                    self.workers.free(gone);
+                    if left == 0 && request.is_written {
+                        ended.push((*ticket, None));
+                    } else if request.deadline.is_some_and(|deadline| now >= deadline)
+                        && !request.is_written
+                        && request.stop.reason().is_none()
+                    {
+                        ended.push((*ticket, Some(Late)));
+                    }
+                }
+                Err(error) => ended.push((*ticket, Some(Failed(error)))),
+            }
+        }
+        for (ticket, why) in ended {
+            match why {
+                None => self.done(ticket),
+                Some(Late) => self.too_late(ticket),
+                Some(Failed(error)) => self.give_up(ticket, &error),
+            }
+        }
+    }
+
+    /// A request's deadline has passed.
+    fn too_late(&mut self, ticket: u64) {
+        let Some(request) = self.in_hand.get(&ticket) else { return };
+        let waited = self.workers.stop(ticket, &request.stop, StopReason::Deadline);
+        // A worker that plans it says so in its reply.
+        if let (Some(_), Some(request)) = (waited, self.in_hand.remove(&ticket)) {
+            let field = Some("deadline".to_owned());
+            let message = "the deadline passed before planning began: the planner is busy; allow \
+                           more time";
+            let refusal = Refusal::new(ErrorCode::DeadlineExceeded, message);
+            self.refuse(request.incoming, &Refusal { field, ..refusal });
+        }
+    }
+
+    /// A reply can't be sent.
+    fn give_up(&mut self, ticket: u64, error: &ReplyError) {
+        let Some(request) = self.in_hand.remove(&ticket) else { return };
+        self.workers.stop(ticket, &request.stop, StopReason::ClientLeft);
+        self.workers.free(request.unsent);
+        self.undelivered(&request.incoming.header(), error);
+    }
+
+    fn done(&mut self, ticket: u64) {
+        if let Some(request) = self.in_hand.remove(&ticket) {
+            self.workers.free(request.unsent);
+            log_answered(&request.incoming);
+        }
+    }
+
+    /// All parts of a reply are written; some may wait for their client.
+    fn sent(&mut self, incoming: Incoming) {
+        if !incoming.is_held_up() {
+            return log_answered(&incoming);
+        }
+        let ticket = self.next_ticket;
+        self.next_ticket += 1;
+        let request = InHand {
+            incoming,
+            stop: Arc::default(),
+            deadline: None,
+            waits: false,
+            is_written: true,
+            unsent: 0,
+        };
+        self.in_hand.insert(ticket, request);
+    }
+
+    fn refuse(&mut self, mut incoming: Incoming, refusal: &Refusal) {
+        let header = incoming.header();
+        match Workspace::refuse(&header, refusal, &mut incoming.reply()) {
+            Ok(()) => self.sent(incoming),
+            Err(error) => self.undelivered(&header, &error),
+        }
+    }
+
+    fn undelivered(&mut self, header: &RequestHeader, error: &ReplyError) {
+        self.served.undelivered += 1;
+        let RequestHeader { client, sequence, .. } = header;
+        tracing::warn!(client, sequence, %error, "the client did not take its reply");
+    }
+
+    /// Refuses what waits, and stops what is being planned: the workers refuse the rest of it.
+    fn refuse_all(&mut self) {
+        let tickets: Vec<_> = self.in_hand.keys().copied().collect();
+        for ticket in tickets {
+            let stop = Arc::clone(&self.in_hand[&ticket].stop);
+            let waited = self.workers.stop(ticket, &stop, StopReason::Shutdown);
+            if let (Some(_), Some(request)) = (waited, self.in_hand.remove(&ticket)) {
+                self.refuse(request.incoming, &shutting_down());
+            }
+        }
+    }
+
+    /// Says what was done.
+    fn end(self) -> Served {
+        let undelivered = self.served.undelivered + self.in_hand.len() as u64;
+        Served { undelivered, cache: self.store.cache_stats(), ..self.served }
     }
 }
 
-fn new_workspace(config: &Config) -> Workspace {
-    Workspace::new(config.caps, config.cache)
+/// Why a request in hand ends before its reply does.
+enum Why {
+    Late,
+    Failed(ReplyError),
 }
 
-struct Memory<'a> {
-    config: &'a Config,
-    cells: Vec<u64>,
-    workspace: Workspace,
-    /// Of the request in hand, and of the next as long as it is not set.
-    stop: Arc<StopFlag>,
-    watchdog: Watchdog,
+use Why::{Failed, Late};
+
+/// A reply that is written at once, as long as it is not handed over.
+struct Sink<'a, F> {
+    sink: ReplySink<'a>,
+    stop: &'a StopFlag,
+    meanwhile: &'a F,
+}
+
+enum Ended {
+    HandedOver,
+    Failed(ReplyError),
+}
+
+impl<F: Fn()> PartSink for Sink<'_, F> {
+    type Error = Ended;
+
+    fn part(
+        &mut self,
+        header: &ReplyHeader,
+        cells: usize,
+        fill: impl FnOnce(&mut CellWriter),
+    ) -> Result<(), Ended> {
+        // Long replies take long to write.
+        if self.sink.written() > 0 {
+            (self.meanwhile)();
+        }
+        if self.stop.reason() == Some(StopReason::HandedOver) {
+            return Err(Ended::HandedOver);
+        }
+        self.sink.part(header, cells, fill).map_err(Ended::Failed)
+    }
+}
+
+fn log_answered(incoming: &Incoming) {
+    let RequestHeader { client, sequence, .. } = incoming.header();
+    tracing::debug!(client, sequence, "answered");
+}
+
+fn shutting_down() -> Refusal {
+    let message = "the planner is shutting down; send the request again";
+    Refusal::new(ErrorCode::Overloaded, message)
 }
 
 /// When a request that has just arrived is to be answered. What is no possible deadline is
@@ -76,62 +491,6 @@ fn deadline(header: &RequestHeader) -> Option<Instant> {
     }
     let left = Duration::try_from_secs_f64(header.deadline).ok().filter(|left| !left.is_zero())?;
     Instant::now().checked_add(left)
-}
-
-impl Memory<'_> {
-    fn serve(&mut self, mut incoming: Incoming, served: &mut Served) {
-        served.requests += 1;
-        let cells = incoming.cells();
-        // Don't even copy what is too large.
-        let readable = self.config.caps.check_cells(cells);
-        let header = match readable {
-            Ok(()) => incoming.copy(&mut self.cells),
-            Err(_) => incoming.header(),
-        };
-        let (mut sink, client) = incoming.reply_to_client();
-        let sent = if let Err(refusal) = readable {
-            Workspace::refuse(&header, &refusal, &mut sink)
-        } else {
-            if self.stop.reason().is_some() {
-                self.stop = Arc::default();
-            }
-            let Self { workspace, cells, stop, watchdog, .. } = self;
-            let answered = watchdog.watch(stop, deadline(&header), |stop| {
-                // A defect in planning must not take the service with it.
-                catch_unwind(AssertUnwindSafe(|| {
-                    let is_wanted = || client.is_waiting();
-                    workspace.answer_while(&header, cells, (stop, &is_wanted), &mut sink)
-                }))
-            });
-            answered.unwrap_or_else(|_| {
-                self.workspace = new_workspace(self.config);
-                let message = "internal error while planning this request; please report it \
-                               (other requests are served)";
-                let refusal = Refusal::new(ErrorCode::Internal, message);
-                Workspace::refuse(&header, &refusal, &mut sink)
-            })
-        };
-        self.cells.clear();
-        self.cells.shrink_to(KEPT_CELLS);
-        match sent {
-            Ok(()) => tracing::debug!(
-                client = header.client,
-                sequence = header.sequence,
-                cells,
-                cache = ?self.workspace.cache_stats(),
-                "answered"
-            ),
-            Err(error) => {
-                served.undelivered += 1;
-                tracing::warn!(
-                    client = header.client,
-                    sequence = header.sequence,
-                    ?error,
-                    "the client did not take its reply"
-                );
-            }
-        }
-    }
 }
 
 /// The bus's part of the configuration.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::entries::{CacheStats, MOST_ENTRIES};
 
 /// Something that says how much memory it holds.
 #[derive(Debug)]
@@ -13,12 +14,37 @@ impl Cached for Thing {
     }
 }
 
+/// The cache of a workspace that has its store to itself.
+struct Alone {
+    cache: Cache,
+    elsewhere: usize,
+}
+
+impl Alone {
+    fn new(most_bytes: usize) -> Self {
+        Self { cache: Cache::new(Store::new(most_bytes)), elsewhere: 0 }
+    }
+
+    fn stats(&self) -> CacheStats {
+        self.cache.store.cache_stats()
+    }
+
+    fn end_request(&mut self, elsewhere: usize) {
+        let mut kept = self.cache.store.lock();
+        kept.entries.count_elsewhere(self.elsewhere, elsewhere);
+        let _evicted = kept.entries.evict(&mut self.cache.used);
+        drop(kept);
+        self.cache.used.clear();
+        self.elsewhere = elsewhere;
+    }
+}
+
 /// What making a thing takes.
 const STEPS: u64 = 10;
 
 /// Looks for what is made from `words`; whether it was there.
 #[track_caller]
-fn find(cache: &mut Cache, words: &[u64], bytes: usize) -> bool {
+fn find(Alone { cache, .. }: &mut Alone, words: &[u64], bytes: usize) -> bool {
     let budget = Budget::default();
     let mut made = false;
     cache.content = Content(words.to_vec());
@@ -34,7 +60,7 @@ fn find(cache: &mut Cache, words: &[u64], bytes: usize) -> bool {
 /// Requests, each of which looks for these things of 1,000 bytes; which were there.
 #[track_caller]
 fn check(most_bytes: usize, requests: &[&[u64]], there: &[&[bool]]) {
-    let mut cache = Cache::new(most_bytes);
+    let mut cache = Alone::new(most_bytes);
     for (request, (things, there)) in requests.iter().zip(there).enumerate() {
         let found: Vec<_> = things.iter().map(|thing| find(&mut cache, &[*thing], 1000)).collect();
         assert_eq!(found, *there, "request {request}");
@@ -62,7 +88,7 @@ fn what_a_request_uses_stays_while_it_lasts() {
 
 #[test]
 fn larger_than_the_bound_is_not_kept_and_costs_nothing_else_its_place() {
-    let mut cache = Cache::new(2500);
+    let mut cache = Alone::new(2500);
     for (word, bytes, there) in
         [(1, 1000, false), (2, 2600, false), (2, 2600, false), (1, 1000, true)]
     {
@@ -73,7 +99,7 @@ fn larger_than_the_bound_is_not_kept_and_costs_nothing_else_its_place() {
 
 #[test]
 fn memory_elsewhere_counts() {
-    let mut cache = Cache::new(2500);
+    let mut cache = Alone::new(2500);
     for word in [1, 2] {
         assert!(!find(&mut cache, &[word], 1000));
     }
@@ -87,9 +113,9 @@ fn memory_elsewhere_counts() {
 
 #[test]
 fn what_cannot_be_made_is_not_kept() {
-    let mut cache = Cache::new(1 << 20);
-    cache.content = Content(vec![1]);
-    let failed = cache.get(&Budget::default(), || Err::<Thing, _>(Spent::Stopped));
+    let mut cache = Alone::new(1 << 20);
+    cache.cache.content = Content(vec![1]);
+    let failed = cache.cache.get(&Budget::default(), || Err::<Thing, _>(Spent::Stopped));
     assert_eq!(failed.map(|thing| thing.bytes), Err(Spent::Stopped));
     assert!(!find(&mut cache, &[1], 1000));
     assert_eq!(cache.stats().entries, 1);
@@ -97,7 +123,7 @@ fn what_cannot_be_made_is_not_kept() {
 
 #[test]
 fn entries_are_bounded() {
-    let mut cache = Cache::new(usize::MAX);
+    let mut cache = Alone::new(usize::MAX);
     for word in 0..2 * MOST_ENTRIES as u64 {
         assert!(!find(&mut cache, &[word], 1000));
         cache.end_request(0);
@@ -111,7 +137,7 @@ fn entries_are_bounded() {
 #[test]
 fn it_does_as_a_plain_list_does() {
     let bound = 12_000;
-    let mut cache = Cache::new(bound);
+    let mut cache = Alone::new(bound);
     // Newest first.
     let mut list: Vec<u64> = Vec::new();
     let mut state = 1_u64;
@@ -132,12 +158,12 @@ fn it_does_as_a_plain_list_does() {
 
 #[test]
 fn what_is_found_costs_what_making_it_did_once_a_request() {
-    let mut cache = Cache::new(1 << 20);
-    let drawn = |cache: &mut Cache, times: usize| {
+    let mut cache = Alone::new(1 << 20);
+    let drawn = |cache: &mut Alone, times: usize| {
         let budget = Budget::default();
         for _ in 0..times {
-            cache.content = Content(vec![7]);
-            let made = cache.get(&budget, || {
+            cache.cache.content = Content(vec![7]);
+            let made = cache.cache.get(&budget, || {
                 budget.step(STEPS)?;
                 budget.hold(1000)?;
                 Ok::<_, Spent>(Thing { made_from: Vec::new(), bytes: 1000 })
@@ -152,4 +178,32 @@ fn what_is_found_costs_what_making_it_did_once_a_request() {
     assert_eq!(drawn(&mut cache, 1), made, "found");
     assert_eq!(drawn(&mut cache, 3), made, "found three times");
     assert_eq!(cache.stats().misses, 1);
+}
+
+#[test]
+fn caches_of_one_store_share_what_they_make() {
+    let store = Store::new(1 << 20);
+    let [mut one, mut other] =
+        [0, 1].map(|_| Alone { cache: Cache::new(store.clone()), elsewhere: 0 });
+    assert!(!find(&mut one, &[1], 1000));
+    assert!(find(&mut other, &[1], 1000), "while the first is in use");
+    one.end_request(0);
+    other.end_request(0);
+    assert_eq!(store.cache_stats().entries, 1);
+}
+
+/// What one request uses stays for it, though requests beside it drive it out of the cache.
+#[test]
+fn what_others_evict_stays_with_the_request_that_uses_it() {
+    let store = Store::new(1500);
+    let [mut one, mut other] =
+        [0, 1].map(|_| Alone { cache: Cache::new(store.clone()), elsewhere: 0 });
+    assert!(!find(&mut one, &[1], 1000));
+    for word in 2..6 {
+        assert!(!find(&mut other, &[word], 1000));
+        other.end_request(0);
+    }
+    assert!(find(&mut one, &[1], 1000), "found without drawing twice");
+    one.end_request(0);
+    assert!(!find(&mut one, &[1], 1000));
 }

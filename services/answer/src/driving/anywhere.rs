@@ -9,7 +9,7 @@ use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;
 use planning::trajectory::Profile;
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
-use schemas::message::{Refusal, SceneRequest};
+use schemas::message::Refusal;
 use schemas::wire::ReplyHeader;
 
 use super::course::{one_number, wrong_gap};
@@ -20,6 +20,7 @@ use crate::check;
 use crate::free_space::{Buffers, floor_walls};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, Refused};
+use crate::scene::Scene;
 use crate::wish::{Gaps, Wish};
 
 impl Cached for Floor {
@@ -65,7 +66,7 @@ pub(super) struct AnywhereJob<'a> {
 
 impl<'a> AnywhereJob<'a> {
     pub(super) fn new(
-        scene: &SceneRequest,
+        scene: Scene<'_>,
         (errand, pace): (Errand, Pace),
         (buffers, complement): (&'a mut Buffers<2>, &mut Complement<2>),
         memory: &'a mut Memory,

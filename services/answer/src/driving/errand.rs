@@ -12,6 +12,7 @@ use schemas::message::{self, Body, ErrorCode, Refusal, SceneRequest};
 
 use crate::check;
 use crate::refuse::{self, Refused};
+use crate::scene::Scene;
 
 /// The robot, where it stands and where it goes.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +29,7 @@ pub(super) struct Errand {
 
 impl Errand {
     /// `any_order`: whether the robot may travel its free space in any order.
-    pub(super) fn of(scene: &SceneRequest, any_order: bool) -> Result<Self, Refusal> {
+    pub(super) fn of(scene: Scene<'_>, any_order: bool) -> Result<Self, Refusal> {
         let Body::Footprint(footprint) = &scene.body else {
             let message = "body: in task \"drive\" the body is a footprint";
             return Err(Refusal::invalid("body", message));
@@ -64,7 +65,7 @@ impl Errand {
     /// Refuses a start or a goal outside of the free space.
     pub(super) fn check_inside(
         &self,
-        scene: &SceneRequest,
+        scene: Scene<'_>,
         channels: Option<&[AxisBox<2>]>,
         walls: &Walls<2>,
         budget: &Budget<'_>,
@@ -139,8 +140,8 @@ fn footprint_of(footprint: &message::Footprint) -> Result<Footprint, Refusal> {
     Ok(made)
 }
 
-fn abilities(scene: &SceneRequest, any_order: bool) -> Result<Abilities, Refusal> {
-    let &SceneRequest { reverse, turn_in_place, min_turn_radius, .. } = scene;
+fn abilities(scene: Scene<'_>, any_order: bool) -> Result<Abilities, Refusal> {
+    let &SceneRequest { reverse, turn_in_place, min_turn_radius, .. } = scene.request;
     let default = Abilities::default();
     if let Some(radius) = min_turn_radius {
         if !(radius.is_finite() && radius > 0.0) {
@@ -172,7 +173,7 @@ fn abilities(scene: &SceneRequest, any_order: bool) -> Result<Abilities, Refusal
     })
 }
 
-fn costs(scene: &SceneRequest, footprint: &Footprint) -> Result<Costs, Refusal> {
+fn costs(scene: Scene<'_>, footprint: &Footprint) -> Result<Costs, Refusal> {
     let default = Costs::of(footprint);
     let cost = |field: &str, value: Option<f64>, default: f64, unit: &str| {
         let value = value.unwrap_or(default);

@@ -7,7 +7,7 @@ use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
 use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::{AxisBox, Vector};
-use schemas::message::{self, Refusal, SceneRequest, Solid};
+use schemas::message::{self, Refusal, Solid};
 
 use super::made::Cut;
 use super::space::{Around, FreeSpace, complement_of};
@@ -16,6 +16,7 @@ use crate::answers::Resources;
 use crate::cache::{Content, Kind};
 use crate::check;
 use crate::refuse::{Axes, FLOOR, Refused};
+use crate::scene::Scene;
 
 /// Slanted edges of solids are followed to this part of the body's least extent.
 const SLANT: f64 = 0.01;
@@ -55,7 +56,7 @@ pub(crate) enum Source<'a, const D: usize> {
 impl<'a, const D: usize> Source<'a, D> {
     /// Reads the scene's channels, solids and bounds for a body of this size (metres).
     pub(crate) fn read(
-        scene: &SceneRequest,
+        scene: Scene<'_>,
         axes: &Axes,
         size: &[f64],
         buffers: &'a mut Buffers<D>,
@@ -98,7 +99,7 @@ impl<'a, const D: usize> Source<'a, D> {
 
 /// The scene's channels, which it must have, and the walls around them.
 pub(crate) fn given_channels<'a, const D: usize>(
-    scene: &SceneRequest,
+    scene: Scene<'_>,
     axes: &Axes,
     buffers: &'a mut Buffers<D>,
     resources: &mut Resources<'_>,
@@ -128,7 +129,7 @@ where
 
 /// The walls of a floor: the surfaces of its solids and its bounds, or all that its channels leave.
 pub(crate) fn floor_walls(
-    scene: &SceneRequest,
+    scene: Scene<'_>,
     buffers: &mut Buffers<2>,
     complement: &mut Complement<2>,
     resources: &mut Resources<'_>,
@@ -148,10 +149,7 @@ pub(crate) fn floor_walls(
 }
 
 /// The scene's bounds, checked, if it has any.
-fn bounds<const D: usize>(
-    scene: &SceneRequest,
-    axes: &Axes,
-) -> Result<Option<AxisBox<D>>, Refusal> {
+fn bounds<const D: usize>(scene: Scene<'_>, axes: &Axes) -> Result<Option<AxisBox<D>>, Refusal> {
     let bounds = scene.free_space.bounds.as_ref();
     bounds
         .map(|bounds| check::axis_box(|| "free_space.bounds".to_owned(), axes, bounds))
@@ -176,7 +174,7 @@ fn take_channels<const D: usize>(
 
 /// The walls around given channels.
 fn around<const D: usize>(
-    scene: &SceneRequest,
+    scene: Scene<'_>,
     axes: &Axes,
     outline: &mut Vec<Vector<2>>,
     resources: &mut Resources<'_>,
@@ -192,7 +190,7 @@ where
 
 /// The surfaces of the scene's solids, and of what lies outside of `within`.
 fn surfaces<const D: usize>(
-    scene: &SceneRequest,
+    scene: Scene<'_>,
     axes: &Axes,
     within: Option<AxisBox<D>>,
     outline: &mut Vec<Vector<2>>,
@@ -213,7 +211,7 @@ where
     })
 }
 
-fn describe<const D: usize>(scene: &SceneRequest, content: &mut Content) {
+fn describe<const D: usize>(scene: Scene<'_>, content: &mut Content) {
     for solid in scene.free_space.solids.iter().flatten() {
         match solid {
             Solid::Box(sides) => {

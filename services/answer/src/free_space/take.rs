@@ -4,10 +4,11 @@ use planning::budget::Budget;
 use planning::free_space::solids::{Solids, SolidsError};
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, Vector};
-use schemas::message::{self, Refusal, SceneRequest, Solid};
+use schemas::message::{self, Refusal, Solid};
 
 use crate::check;
 use crate::refuse::{Axes, Refused};
+use crate::scene::Scene;
 
 /// Something that takes in solids, one by one.
 pub(crate) trait TakeSolids<const D: usize> {
@@ -129,7 +130,7 @@ impl TakeSolids<3> for Pieces<'_, 3> {
 
 /// Takes in the scene's solids.
 pub(super) fn take_all<const D: usize>(
-    scene: &SceneRequest,
+    scene: Scene<'_>,
     axes: &Axes,
     mut into: impl TakeSolids<D>,
     budget: &Budget<'_>,

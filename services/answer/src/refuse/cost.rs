@@ -19,7 +19,8 @@ pub(super) fn spent(spent: Spent, reason: Option<StopReason>) -> Refusal {
                 let message = "the planner is shutting down; send the request again";
                 Refusal::new(ErrorCode::Overloaded, message)
             }
-            Some(StopReason::ClientLeft) => {
+            Some(StopReason::ClientLeft | StopReason::HandedOver) => {
+                // Nobody reads it.
                 Refusal::new(ErrorCode::DeadlineExceeded, "the client left before the answer")
             }
             Some(StopReason::Deadline) | None => {

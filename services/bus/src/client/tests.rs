@@ -148,7 +148,7 @@ fn a_call_survives_the_end_of_an_earlier_request() {
     drop(incoming);
     let calling = calling.expect("it came");
     while !calling.is_finished() {
-        server.wait();
+        server.wait(None);
         while let Some(mut incoming) = server.receive() {
             let _ = answer(&mut incoming);
         }
@@ -172,7 +172,7 @@ fn short_lived_clients_take_no_other_clients_replies() {
         opened.send(()).unwrap();
         let mut late = 0;
         while !stopped.load(Ordering::Relaxed) {
-            server.wait();
+            server.wait(None);
             while let Some(mut incoming) = server.receive() {
                 late = (late + 7) % 60;
                 std::thread::sleep(Duration::from_millis(late));

@@ -3,7 +3,7 @@
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-use bus::{Client, Domain, ReplyError, Server, ServerOptions, Wait};
+use bus::{Client, Domain, Incoming, ReplyError, Server, ServerOptions, Wait};
 use schemas::message::SceneRequest;
 
 use crate::support::*;
@@ -40,8 +40,8 @@ fn a_long_reply_arrives_whole() {
     let test = TestDomain::new();
     let _planner = Planner::start(&test.domain, ServerOptions::default());
     let client = Client::connect(&test.domain, Wait::Hybrid).unwrap();
-    // 9 cells each, 16,384 cells a part: one part, one and a bit, fifty-five.
-    for samples in [0, 1, 1_820, 1_821, 100_000] {
+    // 9 cells each, 4,096 cells a part: one part, one and a bit, 220.
+    for samples in [0, 1, 455, 456, 100_000] {
         let reply_is = client.call(&scene(samples, samples), LONG).unwrap();
         assert_eq!(reply_is, reply(reply_is.key, samples, samples));
     }
@@ -50,7 +50,8 @@ fn a_long_reply_arrives_whole() {
 #[test]
 fn open_requests_are_answered_each() {
     let test = TestDomain::new();
-    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let options = ServerOptions { requests_per_client: 4, ..ServerOptions::default() };
+    let _planner = Planner::start(&test.domain, options);
     let client = Client::connect(&test.domain, Wait::Event).unwrap();
     let until = Instant::now() + LONG;
     let mut open: Vec<_> = (0..4).map(|id| client.send(&scene(id, 2_000 * id)).unwrap()).collect();
@@ -101,28 +102,26 @@ fn a_client_that_drops_its_request_is_no_longer_waited_for() {
     let mut server = Server::open(&test.domain, &ServerOptions::default()).unwrap();
     let client = Client::connect(&test.domain, Wait::Poll).unwrap();
     let [first, second] = [1, 2].map(|id| client.send(&scene(id, 1)).unwrap());
-    let mut incoming = server.receive().expect("a request");
-    let (_, watch) = incoming.reply_to_client();
-    assert!(watch.is_waiting());
+    let incoming = server.receive().expect("a request");
+    assert!(incoming.is_waiting());
     drop(first);
-    assert!(!watch.is_waiting());
+    assert!(!incoming.is_waiting());
     // The client's other request is still open.
     drop(incoming);
-    let mut incoming = server.receive().expect("a request");
-    let (_, watch) = incoming.reply_to_client();
-    assert!(watch.is_waiting());
+    let incoming = server.receive().expect("a request");
+    assert!(incoming.is_waiting());
     drop(second);
-    assert!(!watch.is_waiting());
+    assert!(!incoming.is_waiting());
 }
 
 #[test]
 fn a_client_that_drops_its_request_stops_the_reply() {
     let test = TestDomain::new();
     let (ended, end) = mpsc::channel();
-    let _planner = Planner::start_with(&test.domain, ServerOptions::default(), move |incoming| {
-        let result = answer(&incoming.header(), incoming);
-        ended.send(result.clone()).unwrap();
-        result
+    let options = ServerOptions::default();
+    let serve = |incoming: &mut Incoming| answer(&incoming.header(), incoming);
+    let _planner = Planner::start_and_tell(&test.domain, options, serve, move |result| {
+        ended.send(result).unwrap();
     });
     let client = Client::connect(&test.domain, Wait::Event).unwrap();
     let mut pending = client.send(&scene(1, 100_000)).unwrap();

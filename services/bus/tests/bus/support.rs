@@ -95,13 +95,28 @@ pub(crate) struct Planner {
 impl Planner {
     /// Answers every request with [`trajectory`].
     pub(crate) fn start(domain: &Domain, options: ServerOptions) -> Self {
-        Self::start_with(domain, options, |incoming| answer(&incoming.header(), incoming))
+        Self::start_with(domain, options, |incoming| {
+            incoming.copy(usize::MAX, &mut Vec::new()).unwrap();
+            answer(&incoming.header(), incoming)
+        })
     }
 
+    /// Answers every request as `serve` does.
     pub(crate) fn start_with(
         domain: &Domain,
         options: ServerOptions,
+        serve: impl FnMut(&mut Incoming) -> Result<(), ReplyError> + Send + 'static,
+    ) -> Self {
+        // A client that is gone is no concern of the others.
+        Self::start_and_tell(domain, options, serve, |_| {})
+    }
+
+    /// The same, and tells how each reply ended.
+    pub(crate) fn start_and_tell(
+        domain: &Domain,
+        options: ServerOptions,
         mut serve: impl FnMut(&mut Incoming) -> Result<(), ReplyError> + Send + 'static,
+        mut ended: impl FnMut(Result<(), ReplyError>) + Send + 'static,
     ) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
         let (ready, opened) = std::sync::mpsc::channel();
@@ -109,12 +124,14 @@ impl Planner {
         let thread = std::thread::spawn(move || {
             let mut server = Server::open(&domain, &options).unwrap();
             ready.send(()).unwrap();
+            let mut open = OpenReplies::default();
             while !stopped.load(Ordering::Relaxed) {
-                assert_eq!(server.wait(), Woken::Look);
+                assert_eq!(server.wait(open.next_try()), Woken::Look);
                 while let Some(mut incoming) = server.receive() {
-                    // A client that is gone is no concern of the others.
-                    let _ = serve(&mut incoming);
+                    let answered = serve(&mut incoming);
+                    open.add(incoming, answered);
                 }
+                open.flush(&mut ended);
             }
         });
         opened.recv().expect("the planner opens");
@@ -129,6 +146,34 @@ impl Drop for Planner {
         if !std::thread::panicking() {
             assert!(ended.is_none_or(|ended| ended.is_ok()), "the planner failed");
         }
+    }
+}
+
+/// Replies whose clients have not taken all of them.
+#[derive(Default)]
+pub(crate) struct OpenReplies(Vec<(Incoming, Result<(), ReplyError>)>);
+
+impl OpenReplies {
+    /// What is written, with how that went.
+    pub(crate) fn add(&mut self, incoming: Incoming, answered: Result<(), ReplyError>) {
+        self.0.push((incoming, answered));
+    }
+
+    /// When to try to send more.
+    pub(crate) fn next_try(&self) -> Option<Instant> {
+        (!self.0.is_empty()).then(|| Instant::now() + Duration::from_millis(1))
+    }
+
+    /// Sends what there is room for, and tells of the replies that ended.
+    pub(crate) fn flush(&mut self, mut ended: impl FnMut(Result<(), ReplyError>)) {
+        self.0.retain_mut(|(incoming, answered)| {
+            let left = answered.clone().and_then(|()| incoming.flush());
+            if left.as_ref().is_ok_and(|left| *left > 0) {
+                return true;
+            }
+            ended(left.map(drop));
+            false
+        });
     }
 }
 
@@ -222,9 +267,9 @@ pub(crate) fn answer(
 }
 
 /// Reads a request as the planner does.
-pub(crate) fn read(incoming: &Incoming) -> Result<SceneRequest, convert::Malformed> {
+pub(crate) fn read(incoming: &mut Incoming) -> Result<SceneRequest, convert::Malformed> {
     let mut cells = Vec::new();
-    let header = incoming.copy(&mut cells);
+    let header = incoming.copy(usize::MAX, &mut cells).unwrap();
     let mut scene = SceneRequest::empty();
     convert::read_scene(&header, &cells, &mut scene).map(|()| scene)
 }

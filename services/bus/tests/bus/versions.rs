@@ -2,11 +2,11 @@
 
 use std::path::Path;
 use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use bus::{
-    Client, ConnectError, Incoming, ReplyError, Server, ServerOptions, TapEvent, TapMessage,
-    TapReader, Wait,
+    Client, ConnectError, Incoming, ReplyError, ReplyOptions, Server, ServerOptions, TapEvent,
+    TapMessage, TapReader, Wait,
 };
 use schemas::convert::{self, Certificate, TrajectoryWriter};
 use schemas::message::{ErrorCode, Leg, Refusal, RequestContent, Rung, Trajectory};
@@ -81,6 +81,7 @@ fn the_bytes_of_old_requests_are_read() {
 }
 
 fn refuse(incoming: &mut Incoming) -> Result<(), ReplyError> {
+    incoming.copy(usize::MAX, &mut Vec::new()).unwrap();
     let wire::RequestHeader { client, sequence, .. } = incoming.header();
     let mut header =
         wire::ReplyHeader { version: wire::VERSION, client, sequence, ..Default::default() };
@@ -140,6 +141,7 @@ fn what_version_1_does_not_know_is_told_in_its_words() {
 
 /// Answers with all that a trajectory of version 2 has.
 fn answer_in_full(incoming: &mut Incoming) -> Result<(), ReplyError> {
+    incoming.copy(usize::MAX, &mut Vec::new()).unwrap();
     let wire::RequestHeader { client, sequence, .. } = incoming.header();
     let mut header = wire::ReplyHeader {
         version: wire::VERSION,
@@ -202,7 +204,8 @@ fn trajectories_reach_old_clients_without_what_is_new() {
 #[test]
 fn neither_version_starves_the_other() {
     let test = TestDomain::new();
-    let mut server = Server::open(&test.domain, &ServerOptions::default()).unwrap();
+    let options = ServerOptions { requests_per_client: 4, ..ServerOptions::default() };
+    let mut server = Server::open(&test.domain, &options).unwrap();
     let old = OldClient::connect(test.name(), 5);
     let new = Client::connect(&test.domain, Wait::Poll).unwrap();
     let _old: Vec<_> = (0..4).map(|id| old.ask(&scene(id, 1))).collect();
@@ -257,19 +260,21 @@ fn a_connected_old_client_outlives_the_upgrade() {
     new.call(&scene(1, 1), LONG).unwrap();
 }
 
-/// An old client that takes nothing holds new ones up for patience only.
+/// An old client that takes nothing does not hold up new ones.
 #[test]
-fn a_slow_old_client_is_given_up() {
+fn a_slow_old_client_holds_nobody_up() {
     let test = TestDomain::new();
-    let options = ServerOptions { max_clients: 2, ..ServerOptions::default() };
-    let (patience, long) = (options.reply.patience, 100_000);
+    let options = ServerOptions {
+        max_clients: 2,
+        reply: ReplyOptions { patience: LONG },
+        ..ServerOptions::default()
+    };
+    let long = 100_000;
     let _planner = Planner::start(&test.domain, options);
     let old = OldClient::connect(test.name(), 5);
     let new = Client::connect(&test.domain, Wait::Event).unwrap();
     let _pending = old.ask(&scene(1, long));
-    let begin = Instant::now();
-    new.call(&scene(2, 1), LONG).unwrap();
-    assert!(begin.elapsed() < patience + Duration::from_secs(5), "{:?}", begin.elapsed());
+    new.call(&scene(2, 1), LONG / 2).unwrap();
 }
 
 #[test]
