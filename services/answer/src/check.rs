@@ -4,6 +4,7 @@
 use std::mem;
 
 use planning::budget::Budget;
+use planning::geometry::number::Number;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
@@ -14,6 +15,10 @@ use crate::scene::Scene;
 
 /// The greatest magnitude of a coordinate, metres: its square, and a sum of such, is finite.
 const MOST_COORDINATE: f64 = 1e150;
+
+/// The greatest magnitude of a robot's coordinates, in its extents: they round to some 1e-4 of
+/// one there.
+const MOST_EXTENTS: f64 = 1e12;
 
 /// Fields that do not go together.
 pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
@@ -51,7 +56,8 @@ pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
     if let Some(deadline) = scene.deadline
         && !(deadline.is_finite() && deadline > 0.0)
     {
-        let message = format!("deadline is {deadline} s; it must be finite and greater than 0");
+        let message =
+            format!("deadline is {} s; it must be finite and greater than 0", Number(deadline));
         let refusal = Refusal::invalid("deadline", message);
         return Err(Refusal { has: Some(deadline), least: Some(0.0), ..refusal });
     }
@@ -73,7 +79,7 @@ pub(crate) fn not_negative(field: &str, value: f64, unit: &str) -> Result<(), Re
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    let message = format!("{field} is {value} {unit}; it must be finite and at least 0");
+    let message = format!("{field} is {} {unit}; it must be finite and at least 0", Number(value));
     let refusal = Refusal::invalid(field, message);
     Err(Refusal { has: Some(value), needs: Some(0.0), ..refusal })
 }
@@ -118,8 +124,10 @@ pub(crate) fn polygon(
     let mut vertices = mem::take(vertices);
     vertices.clear();
     vertices.extend(points.iter().map(vector::<2>));
-    for (index, vertex) in vertices.iter().enumerate() {
-        in_range(|| format!("{}[{index}]", field()), vertex.as_slice())?;
+    if vertices.iter().any(|vertex| vertex.amax() > MOST_COORDINATE) {
+        for (index, vertex) in vertices.iter().enumerate() {
+            in_range(|| format!("{}[{index}]", field()), vertex.as_slice())?;
+        }
     }
     Polygon::new(vertices, budget).map_err(|error| match error {
         PolygonError::Spent(spent) => spent.into(),
@@ -167,6 +175,23 @@ pub(crate) fn in_range(field: impl FnOnce() -> String, values: &[f64]) -> Result
     );
     let refusal = Refusal::invalid(field, message);
     Err(Refusal { has: Some(*value), least: Some(least), most: Some(most), ..refusal })
+}
+
+/// Refuses a place so far out that rounding is no longer small beside the body, whose greatest
+/// extent is `size`.
+pub(crate) fn not_far_out(field: &str, place: &[f64], size: f64) -> Result<(), Refusal> {
+    let most = size * MOST_EXTENTS;
+    let Some(value) = place.iter().find(|value| value.abs() > most) else { return Ok(()) };
+    let message = format!(
+        "{field}: {} m is too far out to tell where a body of {} m touches a wall; it must be \
+         between {} m and {} m",
+        Number(*value),
+        Number(size),
+        Number(-most),
+        Number(most)
+    );
+    let refusal = Refusal::invalid(field, message);
+    Err(Refusal { has: Some(*value), least: Some(-most), most: Some(most), ..refusal })
 }
 
 /// A point of the scene's dimension. No coordinate is a negative zero, so that what is equal
@@ -238,7 +263,8 @@ pub(crate) fn gap(field: &str, gap: f64) -> Result<(), Refusal> {
     if gap > 0.0 && gap.is_finite() {
         return Ok(());
     }
-    let message = format!("{field}: a gap of {gap} m; it must be finite and greater than 0");
+    let message =
+        format!("{field}: a gap of {} m; it must be finite and greater than 0", Number(gap));
     let refusal = Refusal {
         field: Some(field.to_owned()),
         ..Refusal::new(ErrorCode::GapOutOfRange, message)

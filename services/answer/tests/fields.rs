@@ -94,6 +94,63 @@ fn coordinates_that_overflow_are_refused() {
 }
 
 #[test]
+fn places_too_far_out_for_the_robot_are_refused() {
+    let corridor = |end: &str, goal: &str| {
+        let scene = DRIVE.replacen("[10, 3]", &format!("[{end}, 3]"), 1);
+        let scene = scene.replacen("[8, 1.5]", &format!("[{goal}, 1.5]"), 1);
+        reply(with(&scene, r#""sampling": { "count": 2 }"#))
+    };
+    let refusal = corridor("1e17", "8e16").answers.expect_err("it is refused");
+    assert_eq!(refusal.code, ErrorCode::InvalidScene, "{refusal:?}");
+    assert_eq!(refusal.field.as_deref(), Some("goal.position"));
+    let numbers = (refusal.has, refusal.least, refusal.most);
+    assert_eq!(numbers, (Some(8e16), Some(-1.5e12), Some(1.5e12)));
+    assert!(refusal.message.contains("8e16 m is too far out"), "{refusal:?}");
+    assert!(refusal.message.ends_with("between -1.5e12 m and 1.5e12 m"), "{refusal:?}");
+    // A corridor may be as long as it likes.
+    for (end, goal) in [("1e17", "8"), ("2e12", "1.5e12")] {
+        let reply = corridor(end, goal);
+        let answers = reply.answers.expect("it is answered");
+        assert_eq!(answers[0].as_ref().expect("a trajectory").clearance.value, 1.0);
+    }
+}
+
+#[test]
+fn messages_show_huge_and_tiny_numbers_as_powers_of_ten() {
+    let huge = "1e150";
+    let polygon = |points: &str| {
+        let body = r#""box": { "min": [0.5, 0.5], "max": [1.5, 3] }"#;
+        PART.replace(body, &format!(r#""polygon": {points}"#))
+    };
+    let channel = |from: &str, to: &str| PART.replacen(from, to, 1);
+    let refused = [
+        read_scene(&polygon(&format!("[[{huge}, 0], [{huge}, 3], [{huge}, 1]]"))),
+        read_scene(&polygon(&format!("[[0, 0], [{huge}, 0], [{huge}, 0], [0, 1]]"))),
+        read_scene(&polygon(&format!("[[0, 0], [{huge}, {huge}], [{huge}, 0], [0, {huge}]]"))),
+        read_scene(&channel("[2, 5]", &format!("[-{huge}, 5]"))),
+        read_scene(&channel("[2, 5]", "[-1e-150, 5]")),
+        read_scene(&DRIVE.replacen("1.5 } }", &format!("-{huge} }} }}"), 1)),
+        read_scene(&DRIVE.replacen("[8, 1.5]", &format!("[8, {huge}]"), 1)),
+        Ok(with(PART, r#""limits": { "speed": 1e150 }"#)),
+        Ok(with(PART, r#""sampling": { "period": -1e150 }"#)),
+        Ok(with(PART, r#""deadline": -1e150"#)),
+        Ok(with(DRIVE, r#""turn_cost": -1e150"#)),
+        Ok(with(DRIVE, r#""min_turn_radius": -1e150"#)),
+    ];
+    for scene in refused {
+        let reply = reply(scene.expect("a scene"));
+        let refusal = match reply.answers {
+            Err(refusal) => refusal,
+            Ok(answers) => answers[0].clone().expect_err("it is refused"),
+        };
+        let Refusal { message, .. } = refusal;
+        let digits = |word: &str| word.chars().filter(char::is_ascii_digit).count();
+        assert!(message.split(' ').all(|word| digits(word) < 20), "{message}");
+        assert!(message.contains("e150") || message.contains("e-150"), "{message}");
+    }
+}
+
+#[test]
 fn greatest_coordinates_are_answered_in_numbers() {
     let scene = r#"{ "task": "drive", "sampling": { "count": 2 },
         "free_space": { "channels": [{ "min": [0, 0], "max": [1e150, 3e149] }], "in_order": true },

@@ -14,6 +14,7 @@ use crate::driving::{Goal, Pose, StartTurn};
 use crate::free_space::floor::Floor;
 use crate::free_space::walls::Walls;
 use crate::geometry::Vector;
+use crate::geometry::number::{Number, Point};
 use crate::motion::Leg;
 
 mod arc_memo;
@@ -161,7 +162,10 @@ pub enum NoMotion {
         wall: Vector<2>,
     },
     /// No way is wide enough.
-    #[error("a passage is {has} m wide; the robot needs more than {needs} m")]
+    #[error(
+        "a passage is {} m wide; the robot needs more than {} m",
+        Number(*has), Number(*needs)
+    )]
     TooNarrow {
         /// The ends of the shortest line across the passage, metres.
         across: [Vector<2>; 2],
@@ -181,7 +185,7 @@ pub enum NoMotion {
         thickness: f64,
     },
     /// There is a way for a disc, and none was found for the rectangle.
-    #[error("the robot touches a wall at ({}, {})", .wall.x, .wall.y)]
+    #[error("the robot touches a wall at {}", Point(wall))]
     Blocked {
         /// The wall point that the last motion tried touches, metres.
         wall: Vector<2>,

@@ -5,6 +5,7 @@
 
 use crate::budget::{Budget, Spent};
 use crate::free_space::{Chain, Junction};
+use crate::geometry::number::Number;
 use crate::geometry::{AxisBox, HalfSpace, Sign, Vector};
 use crate::motion::{Curve, Leg, Rule};
 use table::{Margin, turn_in};
@@ -38,7 +39,8 @@ pub enum DisassemblyError {
     NoChannels,
     /// The assembled body does not lie in the first channel.
     #[error(
-        "the body reaches {body} along coordinate {axis}, outside the first channel, which ends at {channel}"
+        "the body reaches {} along coordinate {axis}, outside the first channel, which ends at {}",
+        Number(*body), Number(*channel)
     )]
     BodyOutside {
         /// The coordinate along which it reaches out.
@@ -50,7 +52,8 @@ pub enum DisassemblyError {
     },
     /// Condition (2.5) fails; equality is too small.
     #[error(
-        "junction {junction} is {has} m wide along coordinate {axis}, the body needs more than {needs} m"
+        "junction {junction} is {} m wide along coordinate {axis}, the body needs more than {} m",
+        Number(*has), Number(*needs)
     )]
     JunctionTooSmall {
         /// The junction.
@@ -64,7 +67,8 @@ pub enum DisassemblyError {
     },
     /// Condition (3.1) fails: `least < gap < most` is required.
     #[error(
-        "the gap at junction {junction} along coordinate {axis} is {gap} m, it must be between {least} m and {most} m"
+        "the gap at junction {junction} along coordinate {axis} is {} m, it must be between {} m and {} m",
+        Number(*gap), Number(*least), Number(*most)
     )]
     GapOutOfRange {
         /// The junction.
@@ -88,7 +92,8 @@ pub enum DisassemblyError {
     },
     /// [`Gap::Fraction`] outside (0, 1].
     #[error(
-        "the fraction {fraction} of the greatest gap must be greater than {least} and at most {most}"
+        "the fraction {} of the greatest gap must be greater than {} and at most {}",
+        Number(*fraction), Number(*least), Number(*most)
     )]
     FractionOutOfRange {
         /// The part asked for.

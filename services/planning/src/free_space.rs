@@ -5,6 +5,7 @@
 //! free, and [`graph`] knows which channels meet.
 
 use crate::budget::{Budget, Spent};
+use crate::geometry::number::Number;
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use thiserror::Error;
 
@@ -44,8 +45,9 @@ pub enum ChainError {
     Empty,
     /// Two consecutive channels have no interior in common.
     #[error(
-        "channels {first} and {second} do not overlap along coordinate {axis}: one ends at {end}, \
-         the other begins at {begin}"
+        "channels {first} and {second} do not overlap along coordinate {axis}: one ends at {}, \
+         the other begins at {}",
+        Number(*end), Number(*begin)
     )]
     Apart {
         /// Index of the earlier channel.

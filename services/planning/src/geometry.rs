@@ -4,6 +4,7 @@
 //! over many boxes in [`box_tree`].
 
 use nalgebra::SVector;
+use number::Number;
 use thiserror::Error;
 
 /// A point or a displacement in `D` dimensions, in metres.
@@ -34,7 +35,7 @@ pub struct AxisBox<const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum BoxError {
     /// A coordinate is infinite or not a number.
-    #[error("coordinate {axis} is not finite: min {min}, max {max}")]
+    #[error("coordinate {axis} is not finite: min {}, max {}", Number(*min), Number(*max))]
     NotFinite {
         /// Index of the coordinate.
         axis: usize,
@@ -44,7 +45,10 @@ pub enum BoxError {
         max: f64,
     },
     /// The box has no interior along a coordinate.
-    #[error("coordinate {axis} is inverted or empty: min {min} must be less than max {max}")]
+    #[error(
+        "coordinate {axis} is inverted or empty: min {} must be less than max {}",
+        Number(*min), Number(*max)
+    )]
     Inverted {
         /// Index of the coordinate.
         axis: usize,
@@ -164,6 +168,7 @@ impl Direction {
 pub mod box_tree;
 pub mod distance;
 mod half_space;
+pub mod number;
 pub(crate) mod orientation;
 pub mod polygon;
 #[cfg(test)]

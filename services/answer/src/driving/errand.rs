@@ -6,6 +6,7 @@ use planning::clearance::rectangle::Footprint;
 use planning::driving::{Goal, Pose, StartTurn, limits};
 use planning::free_space::floor::Floor;
 use planning::free_space::walls::Walls;
+use planning::geometry::number::Number;
 use planning::geometry::{AxisBox, Vector};
 use planning::route;
 use schemas::message::{self, Body, ErrorCode, Refusal, SceneRequest};
@@ -48,6 +49,9 @@ impl Errand {
         check::finite("goal.position", goal.position.as_slice())?;
         check::in_range(|| "goal.position".to_owned(), goal.position.as_slice())?;
         check::finite("goal.heading", goal.heading.as_slice())?;
+        let size = footprint.width().max(footprint.length());
+        check::not_far_out("start.position", start.position.as_slice(), size)?;
+        check::not_far_out("goal.position", goal.position.as_slice(), size)?;
         Ok(Self {
             footprint,
             start: Pose { position: check::vector(&start.position), heading: start.heading },
@@ -145,8 +149,10 @@ fn abilities(scene: Scene<'_>, any_order: bool) -> Result<Abilities, Refusal> {
     let default = Abilities::default();
     if let Some(radius) = min_turn_radius {
         if !(radius.is_finite() && radius > 0.0) {
-            let message =
-                format!("min_turn_radius is {radius} m; it must be finite and greater than 0");
+            let message = format!(
+                "min_turn_radius is {} m; it must be finite and greater than 0",
+                Number(radius)
+            );
             let refusal = Refusal::invalid("min_turn_radius", message);
             return Err(Refusal { has: Some(radius), least: Some(0.0), ..refusal });
         }

@@ -1,6 +1,7 @@
 //! Parts of a scene that are out of range.
 
 use planning::geometry::BoxError;
+use planning::geometry::number::Number;
 use planning::trajectory::{LimitError, SamplingError};
 use schemas::message::Refusal;
 
@@ -9,11 +10,14 @@ use super::words::{Axes, letter};
 pub(crate) fn axis_box(field: String, axes: &Axes, error: BoxError) -> Refusal {
     let message = match error {
         BoxError::NotFinite { axis, min, max } => format!(
-            "{field}: min {min} and max {max} along {} must be finite numbers",
+            "{field}: min {} and max {} along {} must be finite numbers",
+            Number(min),
+            Number(max),
             letter(axes, axis)
         ),
         BoxError::Inverted { axis, min, max } => {
-            format!("{field}: min {min} along {} must be less than max {max}", letter(axes, axis))
+            let (min, max, along) = (Number(min), Number(max), letter(axes, axis));
+            format!("{field}: min {min} along {along} must be less than max {max}")
         }
     };
     let (BoxError::NotFinite { axis, .. } | BoxError::Inverted { axis, .. }) = error;
@@ -28,8 +32,10 @@ pub(crate) fn limit(error: LimitError) -> Refusal {
         "yaw_acceleration" => "rad/s\u{b2}",
         _ => "m/s\u{b2}",
     };
-    let message =
-        format!("limits.{field} is {value} {unit}; it must be between {least:e} and {most:e}");
+    let message = format!(
+        "limits.{field} is {} {unit}; it must be between {least:e} and {most:e}",
+        Number(value)
+    );
     let refusal = Refusal::invalid(format!("limits.{field}"), message);
     Refusal { has: Some(value), least: Some(least), most: Some(most), ..refusal }
 }
@@ -38,8 +44,10 @@ pub(crate) fn sampling(error: SamplingError) -> Refusal {
     match error {
         SamplingError::NotPositive { field, value } => {
             let unit = if field == "period" { "s" } else { "m" };
-            let message =
-                format!("sampling.{field} is {value} {unit}; it must be finite and greater than 0");
+            let message = format!(
+                "sampling.{field} is {} {unit}; it must be finite and greater than 0",
+                Number(value)
+            );
             let refusal = Refusal::invalid(format!("sampling.{field}"), message);
             Refusal { has: Some(value), least: Some(0.0), ..refusal }
         }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use planning::geometry::number::Number;
 use planning::geometry::{Direction, Sign};
 use schemas::message::Refusal;
 
@@ -21,9 +22,9 @@ pub(super) struct Short(pub(super) f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let size = self.0.abs();
-        if size != 0.0 && !(1e-6..1e12).contains(&size) {
-            return write!(f, "{:e}", self.0);
+        let number = Number(self.0);
+        if number.is_extreme() {
+            return number.fmt(f);
         }
         let text = format!("{:.9}", self.0);
         f.write_str(text.trim_end_matches('0').trim_end_matches('.'))

@@ -12,6 +12,7 @@ use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
+use crate::geometry::number::Number;
 use crate::motion::{Curve, Leg};
 
 pub use free::{BINDING_TOLERANCE, FREE_TURNING_WHILE_MOVING_BOUND, free_clearance};
@@ -49,7 +50,10 @@ pub struct Footprint {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum FootprintError {
     /// A side is not positive and finite.
-    #[error("width {width} m and length {length} m must be finite and greater than 0")]
+    #[error(
+        "width {} m and length {} m must be finite and greater than 0",
+        Number(*width), Number(*length)
+    )]
     Sides {
         /// Extent across the heading, metres.
         width: f64,
@@ -59,8 +63,9 @@ pub enum FootprintError {
     /// The width is not positive and finite, or the reference point is not within the
     /// rectangle.
     #[error(
-        "width {width} m must be greater than 0; front {front} m and rear {rear} m must not be \
-         negative, nor both 0; all must be finite"
+        "width {} m must be greater than 0; front {} m and rear {} m must not be \
+         negative, nor both 0; all must be finite",
+        Number(*width), Number(*front), Number(*rear)
     )]
     Reach {
         /// Extent across the heading, metres.

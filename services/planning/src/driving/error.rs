@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::budget::Spent;
+use crate::geometry::number::{Number, Point};
 use crate::geometry::{AxisBox, Vector};
 
 /// Why a robot cannot be driven as asked. Corners and legs are counted from 0 in travel
@@ -11,8 +12,8 @@ use crate::geometry::{AxisBox, Vector};
 pub enum DrivingError {
     /// The robot's reference point is not in the first channel.
     #[error(
-        "the robot starts at ({:.4}, {:.4}), outside the first corridor, which runs from ({:.4}, {:.4}) to ({:.4}, {:.4})",
-        position.x, position.y, channel.min().x, channel.min().y, channel.max().x, channel.max().y
+        "the robot starts at {:.4}, outside the first corridor, which runs from {:.4} to {:.4}",
+        Point(position), Point(&channel.min()), Point(&channel.max())
     )]
     BodyOutside {
         /// Where the robot starts.
@@ -22,8 +23,9 @@ pub enum DrivingError {
     },
     /// The robot touches a wall before it moves.
     #[error(
-        "the robot, starting at ({:.4}, {:.4}), touches the wall at ({:.4}, {:.4})",
-        position.x, position.y, wall.x, wall.y
+        "the robot, starting at {:.4}, touches the wall at {:.4}",
+        Point(position),
+        Point(wall)
     )]
     BodyTouchesWall {
         /// Where the robot starts.
@@ -33,8 +35,8 @@ pub enum DrivingError {
     },
     /// The goal is not in the last channel.
     #[error(
-        "the goal ({:.4}, {:.4}) lies outside the last corridor, which runs from ({:.4}, {:.4}) to ({:.4}, {:.4})",
-        position.x, position.y, channel.min().x, channel.min().y, channel.max().x, channel.max().y
+        "the goal {:.4} lies outside the last corridor, which runs from {:.4} to {:.4}",
+        Point(position), Point(&channel.min()), Point(&channel.max())
     )]
     GoalOutside {
         /// The goal.
@@ -44,8 +46,8 @@ pub enum DrivingError {
     },
     /// The robot would touch a wall at the goal.
     #[error(
-        "the robot, at the goal ({:.4}, {:.4}) with heading {heading:.4}, touches the wall at ({:.4}, {:.4})",
-        position.x, position.y, wall.x, wall.y
+        "the robot, at the goal {:.4} with heading {:.4}, touches the wall at {:.4}",
+        Point(position), Number(*heading), Point(wall)
     )]
     GoalTouchesWall {
         /// The goal.
@@ -65,7 +67,8 @@ pub enum DrivingError {
     },
     /// A gap is not possible at a corner.
     #[error(
-        "corner {corner}: a gap of {gap:.4} m is out of range, it must be more than {least:.4} m and at most {most:.4} m"
+        "corner {corner}: a gap of {:.4} m is out of range, it must be more than {:.4} m and at most {:.4} m",
+        Number(*gap), Number(*least), Number(*most)
     )]
     GapOutOfRange {
         /// The corner.
@@ -79,7 +82,8 @@ pub enum DrivingError {
     },
     /// No tangent joins the guiding circles of two corners.
     #[error(
-        "corners {first} and {second} are {has:.4} m apart, their guiding circles need {needs:.4} m; a gap of {most:.4} m is possible"
+        "corners {first} and {second} are {:.4} m apart, their guiding circles need {:.4} m; a gap of {:.4} m is possible",
+        Number(*has), Number(*needs), Number(*most)
     )]
     CornersTooClose {
         /// The corner entered first.
@@ -96,7 +100,8 @@ pub enum DrivingError {
     },
     /// The taut path would have to turn backwards about a corner, and cut it if it left it out.
     #[error(
-        "corner {corner} and its neighbours are too close: the path would turn by {sweep:.4} rad about it, which must be positive"
+        "corner {corner} and its neighbours are too close: the path would turn by {:.4} rad about it, which must be positive",
+        Number(*sweep)
     )]
     CornerNotPassed {
         /// The corner.
@@ -106,7 +111,8 @@ pub enum DrivingError {
     },
     /// A corridor is too narrow for the robot to turn at a corner.
     #[error(
-        "corner {corner}: the corridors are {has:.4} m wide, the robot needs more than {needs:.4} m to turn"
+        "corner {corner}: the corridors are {:.4} m wide, the robot needs more than {:.4} m to turn",
+        Number(*has), Number(*needs)
     )]
     CornerTooNarrow {
         /// The corner.
@@ -118,8 +124,8 @@ pub enum DrivingError {
     },
     /// A wall blocks a turn in place.
     #[error(
-        "the robot can't turn in place at ({:.4}, {:.4}) to heading {heading:.4}: the wall at ({:.4}, {:.4}) stops it at heading {free:.4}",
-        position.x, position.y, wall.x, wall.y
+        "the robot can't turn in place at {:.4} to heading {:.4}: the wall at {:.4} stops it at heading {:.4}",
+        Point(position), Number(*heading), Point(wall), Number(*free)
     )]
     TurnBlocked {
         /// The leg that is this turn.
@@ -135,8 +141,8 @@ pub enum DrivingError {
     },
     /// The robot would touch a wall on a line or an arc.
     #[error(
-        "the robot would touch the wall at ({:.4}, {:.4}), {at:.4} m along leg {leg}",
-        wall.x, wall.y
+        "the robot would touch the wall at {:.4}, {:.4} m along leg {leg}",
+        Point(wall), Number(*at)
     )]
     WallInTheWay {
         /// The leg.

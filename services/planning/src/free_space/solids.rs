@@ -1,6 +1,7 @@
 //! Channels from solids: the maximal free boxes between them.
 
 use crate::budget::{Budget, Cap, Spent};
+use crate::geometry::number::Number;
 use crate::geometry::polygon::Polygon;
 use crate::geometry::{AxisBox, Direction, Sign, Vector};
 use sweep::Sweep;
@@ -16,7 +17,10 @@ mod sweep;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SolidsError {
     /// A polygon has slanted edges, but the tolerance is not a positive number.
-    #[error("the tolerance for slanted edges is {tolerance} m, it must be greater than {least} m")]
+    #[error(
+        "the tolerance for slanted edges is {} m, it must be greater than {} m",
+        Number(*tolerance), Number(*least)
+    )]
     ToleranceNotPositive {
         /// The tolerance given, metres.
         tolerance: f64,

@@ -1,6 +1,7 @@
 //! Simple polygons.
 
 use super::box_tree::BoxTree;
+use super::number::{Number, Point};
 use super::orientation::{Side, segments_meet, side_of_line};
 use super::{AxisBox, Vector};
 use crate::budget::{Budget, Held, Spent};
@@ -42,7 +43,10 @@ pub enum PolygonError {
         needs: usize,
     },
     /// A coordinate is infinite or not a number.
-    #[error("vertex {vertex} of the polygon is not finite: ({x}, {y})")]
+    #[error(
+        "vertex {vertex} of the polygon is not finite: ({}, {})",
+        Number(*x), Number(*y)
+    )]
     NotFinite {
         /// Index of the vertex.
         vertex: usize,
@@ -52,7 +56,10 @@ pub enum PolygonError {
         y: f64,
     },
     /// All vertices share one coordinate.
-    #[error("the polygon has no area: all {vertices} vertices have coordinate {axis} = {value}")]
+    #[error(
+        "the polygon has no area: all {vertices} vertices have coordinate {axis} = {}",
+        Number(*value)
+    )]
     Flat {
         /// How many vertices there are.
         vertices: usize,
@@ -62,7 +69,10 @@ pub enum PolygonError {
         value: f64,
     },
     /// Two vertices are the same point.
-    #[error("vertices {first} and {second} of the polygon are the same point ({x}, {y})")]
+    #[error(
+        "vertices {first} and {second} of the polygon are the same point ({}, {})",
+        Number(*x), Number(*y)
+    )]
     Repeated {
         /// Index of the earlier vertex.
         first: usize,
@@ -75,9 +85,8 @@ pub enum PolygonError {
     },
     /// Two edges cross, overlap, or touch other than at a common vertex.
     #[error(
-        "edges {first} and {second} of the polygon cross: ({}, {}) to ({}, {}) and ({}, {}) to ({}, {})",
-        first_edge[0][0], first_edge[0][1], first_edge[1][0], first_edge[1][1],
-        second_edge[0][0], second_edge[0][1], second_edge[1][0], second_edge[1][1]
+        "edges {first} and {second} of the polygon cross: {} to {} and {} to {}",
+        Point(&first_edge[0]), Point(&first_edge[1]), Point(&second_edge[0]), Point(&second_edge[1])
     )]
     Crossing {
         /// Index of the earlier edge.

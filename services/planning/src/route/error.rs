@@ -1,6 +1,7 @@
 //! Why there is no route.
 
 use crate::budget::Spent;
+use crate::geometry::number::Number;
 use thiserror::Error;
 
 /// Why there is no route. Channels are named by their index.
@@ -11,7 +12,8 @@ pub enum RouteError {
     NoChannels,
     /// No channel contains the start.
     #[error(
-        "no channel contains the start: the nearest, {channel}, ends at {end} along coordinate {axis}, the body reaches {body}"
+        "no channel contains the start: the nearest, {channel}, ends at {} along coordinate {axis}, the body reaches {}",
+        Number(*end), Number(*body)
     )]
     StartOutside {
         /// The channel that it is least outside of.
@@ -25,7 +27,8 @@ pub enum RouteError {
     },
     /// No channel contains the goal.
     #[error(
-        "no channel contains the goal: the nearest, {channel}, ends at {end} along coordinate {axis}, the goal is at {goal}"
+        "no channel contains the goal: the nearest, {channel}, ends at {} along coordinate {axis}, the goal is at {}",
+        Number(*end), Number(*goal)
     )]
     GoalOutside {
         /// The channel that it is least outside of.
@@ -41,7 +44,8 @@ pub enum RouteError {
     /// are apart. This is the worst junction on the way whose worst junction is best: made larger
     /// than it needs to be, it opens that way, unless `others` are too small as well.
     #[error(
-        "no route: the junction of channels {first} and {second} is {has} m wide along coordinate {axis}, it must be wider than {needs} m"
+        "no route: the junction of channels {first} and {second} is {} m wide along coordinate {axis}, it must be wider than {} m",
+        Number(*has), Number(*needs)
     )]
     JunctionTooSmall {
         /// The channel before it.
@@ -61,7 +65,8 @@ pub enum RouteError {
     },
     /// As [`RouteError::JunctionTooSmall`], for channels that do not even touch.
     #[error(
-        "no route: channels {first} and {second} are {apart} m apart along coordinate {axis}, they must overlap by more than {needs} m"
+        "no route: channels {first} and {second} are {} m apart along coordinate {axis}, they must overlap by more than {} m",
+        Number(*apart), Number(*needs)
     )]
     Apart {
         /// The channel before the gap between them.
@@ -81,7 +86,8 @@ pub enum RouteError {
     },
     /// As [`RouteError::JunctionTooSmall`], for (3.1): the body would pass, but not with this gap.
     #[error(
-        "no route with a gap of {gap} m: at the junction of channels {first} and {second} it must be between {least} m and {most} m along coordinate {axis}"
+        "no route with a gap of {} m: at the junction of channels {first} and {second} it must be between {} m and {} m along coordinate {axis}",
+        Number(*gap), Number(*least), Number(*most)
     )]
     GapOutOfRange {
         /// The channel before the junction.
@@ -129,7 +135,10 @@ pub enum RouteError {
         has: usize,
     },
     /// The gap is not a positive number.
-    #[error("the gap along coordinate {axis} is {gap} m, it must be greater than {least} m")]
+    #[error(
+        "the gap along coordinate {axis} is {} m, it must be greater than {} m",
+        Number(*gap), Number(*least)
+    )]
     GapNotPositive {
         /// The coordinate.
         axis: usize,
@@ -140,7 +149,8 @@ pub enum RouteError {
     },
     /// [`crate::disassembly::Gap::Fraction`] outside (0, 1].
     #[error(
-        "the fraction {fraction} of the greatest gap must be greater than {least} and at most {most}"
+        "the fraction {} of the greatest gap must be greater than {} and at most {}",
+        Number(*fraction), Number(*least), Number(*most)
     )]
     FractionOutOfRange {
         /// The part asked for.

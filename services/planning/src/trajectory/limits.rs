@@ -1,5 +1,6 @@
 //! Bounds on speed and acceleration.
 
+use crate::geometry::number::Number;
 use thiserror::Error;
 
 /// The least value of any limit, in its SI unit.
@@ -24,7 +25,7 @@ pub struct Limits {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LimitError {
     /// A limit is not a number, not positive, or beyond any machine.
-    #[error("{field} is {value}, it must be between {least:e} and {most:e}")]
+    #[error("{field} is {}, it must be between {least:e} and {most:e}", Number(*value))]
     OutOfRange {
         /// Name of the limit, as in a request.
         field: &'static str,

@@ -1,6 +1,7 @@
 //! Which states are sampled, and how many.
 
 use super::profile::{Phase, Profile};
+use crate::geometry::number::Number;
 use thiserror::Error;
 
 /// A state on the grid this close to the end of a leg is dropped, seconds.
@@ -30,7 +31,7 @@ enum SamplingKind {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SamplingError {
     /// A step is not a positive number.
-    #[error("{field} is {value}, it must be finite and greater than 0")]
+    #[error("{field} is {}, it must be finite and greater than 0", Number(*value))]
     NotPositive {
         /// `period` or `spacing`.
         field: &'static str,

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
+use crate::geometry::number::Number;
 use crate::motion::Curve;
 
 pub(super) fn point(x: f64, y: f64) -> Vector<2> {
@@ -363,7 +364,7 @@ fn reference_point_off_the_middle_is_within_the_rectangle() {
         [1.0, f64::MAX, f64::MAX],
     ] {
         let error = Footprint::offset(width, front, rear).unwrap_err();
-        assert!(error.to_string().contains(&format!("front {front} m")), "{error}");
+        assert!(error.to_string().contains(&format!("front {} m", Number(front))), "{error}");
     }
 }
 
