@@ -173,20 +173,17 @@ impl<const D: usize> Curve<D> {
     /// assert!(!line.is_reverse());
     /// assert!(line.reversed().is_reverse());
     /// ```
+    #[inline]
     pub fn is_reverse(&self) -> bool {
-        match *self {
+        match self {
             Self::Line { from, to, heading, turned } => {
                 let heading = wrapped(heading - turned);
-                let (x, y) = (to[0] - from[0], to[1] - from[1]);
                 // By quadrants first: most lines need no sine.
                 let (ahead, left) = (heading.abs() <= FRAC_PI_2, heading >= 0.0);
-                if (x >= 0.0) == ahead && (y >= 0.0) == left {
-                    return false;
-                }
-                let (sin, cos) = libm::sincos(heading);
-                x * cos + y * sin < -ROUNDING * from.amax().max(to.amax())
+                let in_quadrant = (to[0] >= from[0]) == ahead && (to[1] >= from[1]) == left;
+                !in_quadrant && goes_back(from, to, heading)
             }
-            Self::Arc { reverse, .. } => reverse,
+            Self::Arc { reverse, .. } => *reverse,
             Self::Turn { .. } => false,
         }
     }
@@ -230,6 +227,13 @@ impl<const D: usize> Curve<D> {
 
 /// A line shorter than this part of its coordinates has no direction.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Whether the way from one point to the other is more than a quarter turn from a heading.
+fn goes_back<const D: usize>(from: &Vector<D>, to: &Vector<D>, heading: f64) -> bool {
+    let (sin, cos) = libm::sincos(heading);
+    let (x, y) = (to[0] - from[0], to[1] - from[1]);
+    x * cos + y * sin < -ROUNDING * from.amax().max(to.amax())
+}
 
 /// The point of a circle in the first two coordinates at `angle` from its centre.
 fn on_circle<const D: usize>(center: Vector<D>, radius: f64, angle: f64) -> Vector<D> {

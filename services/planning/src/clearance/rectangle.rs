@@ -360,15 +360,19 @@ fn search(
 ) -> Result<Met, Spent> {
     let mut met = Met::NOTHING;
     let mut spent = Ok(());
+    // The index draws for the walls that it finds; what meeting them takes is drawn at the end.
+    let mut count = 0;
     if let Look::Within(reach) = look {
         walls.near(&min, &max, reach, budget, |_, wall| {
+            count += 1;
             if spent.is_ok() {
-                spent = budget.step(STEPS_PER_WALL).and_then(|()| meet(wall, &mut met));
+                spent = meet(wall, &mut met);
             }
         })?;
     } else {
         walls.nearest(&min, &max, budget, |_, wall| {
-            spent = budget.step(STEPS_PER_WALL).and_then(|()| meet(wall, &mut met));
+            count += 1;
+            spent = meet(wall, &mut met);
             match look {
                 _ if spent.is_err() => -1.0,
                 Look::Until(least) if met.value <= least => -1.0,
@@ -377,6 +381,7 @@ fn search(
             }
         })?;
     }
+    budget.step(STEPS_PER_WALL * count)?;
     spent.map(|()| met)
 }
 

@@ -120,31 +120,34 @@ impl<const D: usize> BoxTree<D> {
     ) -> Result<(), Spent> {
         let Some(top) = self.levels.len().checked_sub(1) else { return Ok(()) };
         let distance = self.distance_squared(top, 0, min, max);
-        let mut walk = Walk { reach, budget, visit };
-        self.descend((top, 0, distance), (min, max), &mut walk)
+        let mut walk = Walk { reach, budget, visit, spent: Ok(()) };
+        self.descend((top, 0, distance), (min, max), &mut walk);
+        walk.spent
     }
 
+    /// Ends at once where the budget does.
     fn descend(
         &self,
         (level, place, distance): (usize, usize, f64),
         (min, max): (&Vector<D>, &Vector<D>),
         walk: &mut Walk<'_, impl FnMut(usize) -> f64>,
-    ) -> Result<(), Spent> {
-        if walk.reach < 0.0 || distance > walk.reach * walk.reach {
-            return Ok(());
+    ) {
+        if !walk.reaches(distance) {
+            return;
         }
-        if level == 0 {
-            walk.reach = (walk.visit)(self.order[place].1 as usize);
-            return Ok(());
+        let Some(below) = level.checked_sub(1) else { return walk.visit(self.order[place].1) };
+        let children = self.children(level, place);
+        if !walk.step(1 + children.len() as u64 / LOOKS_PER_STEP) {
+            return;
         }
         // Nearest first, so that a shrinking reach is soon short.
         let mut near = [(0.0, 0); FAN];
         let mut count = 0;
-        let children = self.children(level, place);
-        walk.budget.step(1 + children.len() as u64 / LOOKS_PER_STEP)?;
-        for child in children {
-            let distance = self.distance_squared(level - 1, child, min, max);
-            if distance > walk.reach * walk.reach {
+        let most = walk.reach * walk.reach;
+        let first = children.start;
+        for (index, (low, high)) in self.nodes(below, children).enumerate() {
+            let distance = distance_squared_box_box((low, high), (min, max));
+            if distance > most {
                 continue;
             }
             let mut at = count;
@@ -152,13 +155,16 @@ impl<const D: usize> BoxTree<D> {
                 near[at] = near[at - 1];
                 at -= 1;
             }
-            near[at] = (distance, child);
+            near[at] = (distance, first + index);
             count += 1;
         }
         for (distance, child) in &near[..count] {
-            self.descend((level - 1, *child, *distance), (min, max), walk)?;
+            if below > 0 {
+                self.descend((below, *child, *distance), (min, max), walk);
+            } else if walk.reaches(*distance) {
+                walk.visit(self.order[*child].1);
+            }
         }
-        Ok(())
     }
 
     /// Calls `visit` with the index of at least every box within `reach` (metres) of the segment
@@ -285,6 +291,18 @@ impl<const D: usize> BoxTree<D> {
         &self.nodes[self.levels[level] + place]
     }
 
+    fn nodes(
+        &self,
+        level: usize,
+        places: std::ops::Range<usize>,
+    ) -> impl Iterator<Item = &Bounds<D>> {
+        let first = self.levels[level];
+        let nodes = self.nodes[first + places.start..first + places.end].iter();
+        #[cfg(test)]
+        let nodes = nodes.inspect(|_| super::work::look());
+        nodes
+    }
+
     fn children(&self, level: usize, place: usize) -> std::ops::Range<usize> {
         let below = self.levels[level] - self.levels[level - 1];
         place * FAN..below.min((place + 1) * FAN)
@@ -343,9 +361,31 @@ impl<const D: usize> NearSegment<D> {
 
 /// A walk to the boxes near one.
 struct Walk<'a, V> {
+    /// Less than 0 where it ends.
     reach: f64,
     budget: &'a Budget<'a>,
     visit: V,
+    spent: Result<(), Spent>,
+}
+
+impl<V: FnMut(usize) -> f64> Walk<'_, V> {
+    /// Whether a box at this distance, squared, is still to be visited.
+    fn reaches(&self, distance: f64) -> bool {
+        self.reach >= 0.0 && distance <= self.reach * self.reach
+    }
+
+    /// Whether there are so many steps left.
+    fn step(&mut self, count: u64) -> bool {
+        self.spent = self.budget.step(count);
+        if self.spent.is_err() {
+            self.reach = -1.0;
+        }
+        self.spent.is_ok()
+    }
+
+    fn visit(&mut self, index: u32) {
+        self.reach = (self.visit)(index as usize);
+    }
 }
 
 /// Square of the least distance between two boxes, each given by its least and greatest

@@ -181,7 +181,10 @@ fn check(vertices: &[Vector<2>], budget: &Budget<'_>) -> Result<AxisBox<2>, Poly
             return Err(PolygonError::Flat { vertices: count, axis, value });
         }
     }
-    if count <= FEW {
+    budget.step(count as u64)?;
+    if is_convex(vertices) {
+        // No two edges meet but where they join.
+    } else if count <= FEW {
         budget.step((count * count / 2) as u64)?;
         for first in 0..count {
             for second in first + 1..count {
@@ -197,6 +200,26 @@ fn check(vertices: &[Vector<2>], budget: &Budget<'_>) -> Result<AxisBox<2>, Poly
         axis: 0,
         value: min[0],
     })
+}
+
+/// Whether the outline turns to one side at each vertex, and once around in all: it is convex
+/// then, and simple.
+fn is_convex(vertices: &[Vector<2>]) -> bool {
+    let [.., before, last] = vertices else { return false };
+    // The half of all directions that the edge has: each that is not beyond half a turn.
+    let is_up = |from: &Vector<2>, to: &Vector<2>| (to.y, to.x) > (from.y, from.x);
+    let (mut a, mut b) = (before, last);
+    let (mut sense, mut rises) = (None, 0);
+    for c in vertices {
+        let side = side_of_line(a, b, c);
+        if side == Side::On || sense.is_some_and(|sense| sense != side) {
+            return false;
+        }
+        sense = Some(side);
+        rises += usize::from(!is_up(a, b) && is_up(b, c));
+        (a, b) = (b, c);
+    }
+    rises == 1
 }
 
 /// Checks only pairs whose bounding boxes meet; reports the first wrong pair.

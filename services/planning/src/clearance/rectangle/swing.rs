@@ -153,14 +153,9 @@ impl Swing {
             return;
         }
         self.placements(wall, &seen, met);
-        let [a, b, c, d] = self.corners;
-        if self.is_even {
-            self.corners_to_wall(wall, &seen, &[a, b], self.radii[0], met);
-            self.corners_to_wall(wall, &seen, &[c, d], self.radii[2], met);
-        } else {
-            for (corner, radius) in self.corners.into_iter().zip(self.radii) {
-                self.corners_to_wall(wall, &seen, &[corner], radius, met);
-            }
+        let on_circle = if self.is_even { 2 } else { 1 };
+        for (corners, radii) in self.corners.chunks(on_circle).zip(self.radii.chunks(on_circle)) {
+            self.corners_to_wall(wall, &seen, corners, radii[0], met);
         }
         for end in 0..2 {
             self.wall_end_to_edges(wall, &seen, end, met);
@@ -179,11 +174,11 @@ impl Swing {
     }
 
     /// Body corners on one circle about the centre against the wall.
-    fn corners_to_wall<const N: usize>(
+    fn corners_to_wall(
         &self,
         wall: &Wall<2>,
         seen: &Seen,
-        corners: &[Vector<2>; N],
+        corners: &[Vector<2>],
         radius: f64,
         met: &mut Met,
     ) {
@@ -192,6 +187,9 @@ impl Swing {
             return;
         }
         let mut candidate = |distance: f64, target: &Vector<2>, length: f64, t: f64| {
+            if !met.wants(distance) {
+                return;
+            }
             for corner in corners {
                 let turn = unrotated(target, corner) / (radius * length);
                 self.offer(wall, distance, &turn, t, met);
@@ -249,16 +247,25 @@ impl Swing {
                 }
             }
         }
-        for x in [center.x + half.x, center.x - half.x] {
-            let square = length * length - x * x;
+        let (front, rear) = (center.x + half.x, center.x - half.x);
+        let mut across = |square: f64, ends: &[f64]| {
             if (0.0..=most.y).contains(&square) {
                 let y = square.sqrt();
-                for y in [y, -y] {
-                    if (y - center.y).abs() <= half.y {
-                        candidate(0.0, x, y);
+                for x in ends {
+                    for y in [y, -y] {
+                        if (y - center.y).abs() <= half.y {
+                            candidate(0.0, *x, y);
+                        }
                     }
                 }
             }
+        };
+        let square = length * length;
+        if self.is_even {
+            across(square - front * front, &[front, rear]);
+        } else {
+            across(square - front * front, &[front]);
+            across(square - rear * rear, &[rear]);
         }
     }
 

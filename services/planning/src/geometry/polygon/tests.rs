@@ -91,6 +91,30 @@ fn touching_edge_is_rejected() {
     check_error(&touching, crossing(&touching, 0, 2));
 }
 
+#[test]
+fn only_outlines_that_turn_once_around_are_convex() {
+    let on_circle = |count: usize, turns: usize, reverse: bool| {
+        let angle = |i: usize| (turns * i) as f64 * std::f64::consts::TAU / count as f64;
+        let mut outline: Vec<Vector<2>> =
+            (0..count).map(|i| [libm::cos(angle(i)), libm::sin(angle(i))].into()).collect();
+        if reverse {
+            outline.reverse();
+        }
+        is_convex(&outline)
+    };
+    for reverse in [false, true] {
+        for count in 3..40 {
+            assert!(on_circle(count, 1, reverse), "{count} vertices");
+        }
+        // A pentagram and a heptagram turn to one side, too, but twice and three times around.
+        assert!(!on_circle(5, 2, reverse) && !on_circle(7, 2, reverse));
+        assert!(!on_circle(7, 3, reverse));
+    }
+    let dented = [[0., 0.], [2., 0.], [2., 2.], [1., 1.], [0., 2.]].map(Vector::from);
+    let straight = [[0., 0.], [1., 0.], [2., 0.], [2., 2.]].map(Vector::from);
+    assert!(!is_convex(&dented) && !is_convex(&straight));
+}
+
 /// A comb with many teeth, big enough for the index.
 fn comb(teeth: usize) -> Vec<[f64; 2]> {
     let tooth = |i: usize| {
@@ -142,6 +166,18 @@ proptest! {
             all = all.and_then(|()| check_pair(&vertices, first, second));
         }
         prop_assert_eq!(check_indexed(&vertices, &Budget::default()), all);
+    }
+
+    /// A convex outline has no wrong pair of edges.
+    #[test]
+    fn convex_outlines_are_simple(
+        vertices in proptest::collection::vec(proptest::array::uniform2(0..5i8), 3..8),
+    ) {
+        let vertices: Vec<Vector<2>> =
+            vertices.iter().map(|v| Vector::from(v.map(f64::from))).collect();
+        if is_convex(&vertices) {
+            prop_assert_eq!(check_indexed(&vertices, &Budget::default()), Ok(()));
+        }
     }
 
     /// Star-shaped polygons are simple.
