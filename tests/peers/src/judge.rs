@@ -27,6 +27,10 @@ pub struct Drive {
     pub length: f64,
     /// No drive with its free clearance is shorter.
     pub bound: f64,
+    /// The least distance from the walls.
+    pub clearance: f64,
+    /// The same, apart from walls that are nearer at the start or the goal.
+    pub free_clearance: f64,
     /// Angle turned in place, radians.
     pub turned: f64,
     /// Names of the rungs that its legs came from.
@@ -69,7 +73,7 @@ fn reply_to(scene: &Scene, gap: f64) -> Reply {
     Answerer::new(&answer::Caps::default()).reply_to(&Request { key, sent_ns: 0, content })
 }
 
-fn drive(trajectory: &Trajectory) -> Drive {
+pub(crate) fn drive(trajectory: &Trajectory) -> Drive {
     let turned = trajectory.legs.iter().map(|leg| match leg.curve {
         Curve::Turn { sweep, .. } => sweep.abs(),
         _ => 0.0,
@@ -80,6 +84,8 @@ fn drive(trajectory: &Trajectory) -> Drive {
     Drive {
         length: trajectory.length,
         bound: trajectory.bound.unwrap_or(0.0),
+        clearance: trajectory.clearance.value,
+        free_clearance: trajectory.free_clearance.unwrap_or(f64::INFINITY),
         turned: turned.sum(),
         rungs,
         complete: trajectory.complete,

@@ -10,6 +10,7 @@ pub mod judge;
 pub mod kinds;
 pub mod lattice;
 pub mod rectangle;
+pub mod safest;
 pub mod scene;
 
 /// A point or a direction in the plane, metres.

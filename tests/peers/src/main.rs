@@ -11,12 +11,15 @@ use peers::floor_plans::{measure, write_blocks};
 use peers::judge::{Verdict, judge};
 use peers::kinds::Kind;
 use peers::lattice::Resolution;
+use peers::safest::{Contest, contest};
 
 /// Compares the planner with slow, obviously right peers.
 #[derive(Debug, Parser)]
 enum Command {
     /// Random scenes of the kinds that people have, beside a lattice search
     Kinds(Arguments),
+    /// The safest motion of random scenes, beside those with 50 gaps
+    Safest(Contests),
     /// Writes random scenes as JSON files
     Scenes(Scenes),
     /// Times on floor plans, between random places that a grid search connects
@@ -33,6 +36,19 @@ struct Scenes {
     /// Gap asked for, metres
     #[arg(long, default_value_t = 0.01)]
     gap: f64,
+}
+
+#[derive(Debug, clap::Args)]
+struct Contests {
+    /// Only these kinds
+    #[arg(long)]
+    kind: Vec<Kind>,
+    /// Scenes of each kind
+    #[arg(long, default_value_t = 250)]
+    scenes: u64,
+    /// The first one's number
+    #[arg(long, default_value_t = 0)]
+    first: u64,
 }
 
 #[derive(Debug, clap::Args)]
@@ -75,6 +91,7 @@ const LONG: f64 = 1.02;
 fn main() -> Result<(), Box<dyn Error>> {
     match Command::parse() {
         Command::Kinds(arguments) => Ok(kinds(&arguments)?),
+        Command::Safest(arguments) => Ok(contests(&arguments)?),
         Command::Scenes(arguments) => Ok(scenes(&arguments)?),
         Command::FloorPlans(arguments) => floor_plans(&arguments),
     }
@@ -158,6 +175,62 @@ fn kinds(arguments: &Arguments) -> io::Result<()> {
     for kind in kinds {
         let row = run(kind, arguments)?;
         table.add_row(row);
+    }
+    writeln!(io::stdout(), "{table}")
+}
+
+/// How often a gap has more clearance than the safest motion, and how long that takes.
+fn contests(arguments: &Contests) -> io::Result<()> {
+    let kinds = if arguments.kind.is_empty() { Kind::ALL.to_vec() } else { arguments.kind.clone() };
+    let mut table = table(&[
+        "kind",
+        "scenes",
+        "beaten",
+        "by clearance",
+        "at_least",
+        "incomplete",
+        "p50, ms",
+        "max, ms",
+    ]);
+    for kind in kinds {
+        let (mut beaten, mut clearer, mut refused, mut incomplete) = (0, 0, 0, 0);
+        let mut times = Vec::new();
+        for number in arguments.first..arguments.first + arguments.scenes {
+            let found = contest(&kind.scene(number), number);
+            let Contest { safest, took, freest, clearest, at_least } = &found;
+            times.push(took.as_secs_f64() * 1e3);
+            incomplete += u64::from(safest.as_ref().is_ok_and(|drive| !drive.complete));
+            let excess = [found.free_excess(), found.clear_excess()];
+            beaten += u64::from(excess[0].is_some());
+            clearer += u64::from(excess[1].is_some());
+            refused += u64::from(at_least.is_some());
+            for (excess, best) in excess.iter().zip([freest, clearest]) {
+                if let Some(excess) = excess {
+                    writeln!(
+                        io::stderr(),
+                        "{kind:?}-{number}: {excess} m more: {best:?}, but {safest:?}"
+                    )?;
+                }
+            }
+            if let Some(refusal) = at_least {
+                writeln!(io::stderr(), "{kind:?}-{number}: at_least refused: {refusal}")?;
+            }
+            if took.as_secs() >= 5 {
+                writeln!(io::stderr(), "{kind:?}-{number}: took {} s", took.as_secs_f64())?;
+            }
+        }
+        times.sort_unstable_by(f64::total_cmp);
+        let ms = |at: usize| times.get(at).map_or_else(String::new, |time| format!("{time:.0}"));
+        table.add_row([
+            format!("{kind:?}"),
+            arguments.scenes.to_string(),
+            beaten.to_string(),
+            clearer.to_string(),
+            refused.to_string(),
+            incomplete.to_string(),
+            ms(times.len() / 2),
+            ms(times.len().saturating_sub(1)),
+        ]);
     }
     writeln!(io::stdout(), "{table}")
 }

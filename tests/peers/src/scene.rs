@@ -1,6 +1,6 @@
 //! A scene as the peers see it: polygons, a rectangle, a start and a goal.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::Point;
 
@@ -59,9 +59,15 @@ impl Scene {
         self.footprint[1] / 50.0
     }
 
-    /// The request that a planner gets. The room's outline becomes solids around it.
+    /// The request that a planner gets, for a gap. The room's outline becomes solids around it.
     #[must_use]
     pub fn to_json(&self, gap: f64) -> String {
+        self.request(&json!({ "gap": gap }), &json!({ "spacing": self.spacing() })).to_string()
+    }
+
+    /// The request for a clearance of any form.
+    #[must_use]
+    pub fn request(&self, clearance: &Value, sampling: &Value) -> Value {
         let mut solids: Vec<_> =
             self.solids.iter().map(|solid| json!({ "polygon": solid })).collect();
         solids.extend(self.frame().iter().map(|solid| json!({ "polygon": solid })));
@@ -76,11 +82,10 @@ impl Scene {
             "body": { "footprint": { "width": self.footprint[0], "length": self.footprint[1] } },
             "start": { "position": self.start.position, "heading": self.start.heading },
             "goal": goal,
-            "clearance": { "gap": gap },
+            "clearance": clearance,
             "reverse": self.reverse,
-            "sampling": { "spacing": self.spacing() },
+            "sampling": sampling,
         })
-        .to_string()
     }
 
     /// A box around the room, a robot's length away.

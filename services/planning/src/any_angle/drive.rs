@@ -1,6 +1,7 @@
 //! The motion that is wished for, with its certificate.
 
-use super::ladder::{Target, shortest};
+use super::disc::disc_of;
+use super::ladder::{LastRung, Target, shortest};
 use super::planner::Planner;
 use super::{Errand, LEAST_GAP, NoMotion, RobotMotion, Wish, bound, safest};
 use crate::budget::Budget;
@@ -21,14 +22,26 @@ pub fn drive(
     check_ends(errand, budget)?;
     budget.keeping_back(KEPT_BACK, || match wish {
         Wish::Gap(gap) => {
-            let target = Target { gap, least: None, searches_poses: true };
+            let target = Target { gap, least: None, last: LastRung::Lattice };
             shortest(errand, target, planner, found, budget)
         }
         Wish::AtLeast(least) => {
             // A disc that just touches can't be told from one that overlaps.
             let gap = least.max(LEAST_GAP * errand.floor.extent());
-            let target = Target { gap, least: Some(least), searches_poses: true };
-            shortest(errand, target, planner, found, budget)
+            let target = Target { gap, least: Some(least), last: LastRung::Lattice };
+            match shortest(errand, target, planner, found, budget) {
+                // A motion with another gap may keep it. Beside an end a rectangle can keep more
+                // than a disc.
+                Err(refused @ (NoMotion::Blocked { .. } | NoMotion::TooNarrow { .. })) => {
+                    let radius = errand.footprint.width() / 2.0 + least;
+                    let is_narrow = matches!(refused, NoMotion::TooNarrow { .. });
+                    if is_narrow && disc_of(errand, radius, budget)?.is_even() {
+                        return Err(refused);
+                    }
+                    safest::keeping(errand, (least, refused), planner, found, budget)
+                }
+                result => result,
+            }
         }
         Wish::Safest => safest::safest(errand, planner, found, budget),
     })?;

@@ -3,7 +3,7 @@
 use std::mem;
 
 use super::disc::{Disc, disc_of};
-use super::lattice;
+use super::lattice::{self, Kept};
 use super::legs::legs_of;
 use super::measure::{Contact, cost, measure};
 use super::planner::Planner;
@@ -17,19 +17,30 @@ const RADII: usize = 4;
 
 /// What is no longer than the taut path by this factor is not worth a search for lines between
 /// places to turn, ...
-const NEAR: f64 = 1.02;
+pub(super) const NEAR: f64 = 1.02;
 
 /// ... or, by this one, for poses.
-const LONG: f64 = 1.08;
+pub(super) const LONG: f64 = 1.08;
 
 /// How often the radius at a corner that is in the way is made larger.
 const MOST_CHANGES: usize = 8;
 
+/// The last rung that is tried, if nothing before it helps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum LastRung {
+    /// Larger circles.
+    Radius,
+    /// Lines between places to turn.
+    Aligned,
+    /// The search over poses.
+    Lattice,
+}
+
 /// What a motion must keep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
-    /// Whether poses are searched where nothing else helps.
-    pub(super) searches_poses: bool,
+    /// Where the ladder ends.
+    pub(super) last: LastRung,
     /// From the corners that it turns about, metres.
     pub(super) gap: f64,
     /// Its free clearance, metres; `None`: it must not touch.
@@ -67,13 +78,13 @@ pub(super) fn shortest(
             best.offer(errand, found);
         }
     }
-    if best.is_longer_than(NEAR) {
+    if target.last >= LastRung::Aligned && best.is_longer_than(NEAR) {
         let other = poses(errand, target, (Rung::Aligned, best.cost), planner, found, budget);
         if best.takes(other)? == Some(true) {
             best.offer(errand, found);
         }
     }
-    if target.searches_poses && best.is_longer_than(LONG) {
+    if target.last == LastRung::Lattice && best.is_longer_than(LONG) {
         let other = poses(errand, target, (Rung::Lattice, best.cost), planner, found, budget);
         if best.takes(other)? == Some(true) {
             best.offer(errand, found);
@@ -81,9 +92,10 @@ pub(super) fn shortest(
     }
     match blocked {
         Some((wall, turning)) if best.motion.is_none() => {
-            let resolution = planner.lattice.resolution().filter(|_| target.searches_poses);
+            let searched = target.last == LastRung::Lattice;
+            let resolution = planner.lattice.resolution().filter(|_| searched);
             let reverse_helps = !errand.abilities.reverse
-                && target.searches_poses
+                && searched
                 && would_reverse_help(errand, target, planner, found, budget)?;
             Err(NoMotion::Blocked { wall, turning, reverse_helps, resolution })
         }
@@ -152,7 +164,7 @@ fn would_reverse_help(
 ) -> Result<bool, Spent> {
     let abilities = Abilities { reverse: true, ..errand.abilities };
     let errand = Errand { abilities, ..*errand };
-    let target = Target { searches_poses: false, ..target };
+    let target = Target { last: LastRung::Aligned, ..target };
     match shortest(&errand, target, planner, found, budget) {
         Ok(()) => Ok(true),
         Err(NoMotion::Spent(spent @ Spent::Stopped)) => Err(spent),
@@ -162,7 +174,7 @@ fn would_reverse_help(
 
 /// A motion between poses, by straight legs or by all means, that costs less than `most`; whether
 /// there is one.
-fn poses(
+pub(super) fn poses(
     errand: &Errand<'_>,
     target: Target,
     (rung, most): (Rung, f64),
@@ -182,7 +194,8 @@ fn poses(
         _ => &all[1..],
     };
     for least in leasts.iter().copied() {
-        let Some(curves) = search(errand, (least, most), &mut planner.lattice, budget)? else {
+        let kept = Kept { least, as_at_ends: target.least.is_some(), most_length: most };
+        let Some(curves) = search(errand, kept, &mut planner.lattice, budget)? else {
             continue;
         };
         let is_reverse = curves.iter().any(Curve::is_reverse);

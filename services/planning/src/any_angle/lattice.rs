@@ -7,7 +7,7 @@
 
 use super::Errand;
 use crate::budget::{Budget, Held, Spent};
-use crate::motion::Curve;
+use crate::motion::{Curve, Leg};
 
 use explore::Manner;
 use field::Field;
@@ -28,6 +28,7 @@ mod smooth;
 mod steer;
 mod table;
 mod way;
+mod widen;
 
 #[cfg(test)]
 mod tests;
@@ -68,6 +69,25 @@ pub struct Resolution {
     pub headings: usize,
 }
 
+/// What a search is to keep.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept {
+    /// From the walls, on every leg, metres.
+    pub(super) least: f64,
+    /// Whether from wall points that are nearer at the start or the goal only as much as there.
+    pub(super) as_at_ends: bool,
+    /// Ways longer than this are of no use, metres.
+    pub(super) most_length: f64,
+}
+
+impl Kept {
+    /// So much from all walls.
+    #[cfg(test)]
+    fn all_along(least: f64) -> Self {
+        Self { least, as_at_ends: false, most_length: f64::INFINITY }
+    }
+}
+
 /// Memory that is used again from one search to the next.
 #[derive(Debug, Default)]
 pub(super) struct LatticeMemory {
@@ -94,33 +114,31 @@ impl LatticeMemory {
     }
 }
 
-/// Straight lines between places where the robot can turn. `kept` is what every leg keeps from
-/// the walls, and beyond which length ways are of no use; metres. The curves lead from the start to the goal; `None` if no such motion is
-/// found.
+/// Straight lines between places where the robot can turn. The curves lead from the start to the
+/// goal; `None` if no such motion is found.
 pub(super) fn aligned(
     errand: &Errand<'_>,
-    kept: (f64, f64),
+    kept: Kept,
     memory: &mut LatticeMemory,
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
     if !errand.abilities.turn_in_place {
         return Ok(None);
     }
-    let probe = Probe::new(errand, kept, budget);
+    let probe = Probe::new(errand, kept, budget)?;
     let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
     straight(&probe, COARSE, memory)
 }
 
-/// The search over poses. `kept` is what every leg keeps from the walls, and beyond which length
-/// ways are of no use; metres. The curves lead from the start to the goal; `None` if there
-/// are none at the memory's [resolution](LatticeMemory::resolution).
+/// The search over poses. The curves lead from the start to the goal; `None` if there are none at
+/// the memory's [resolution](LatticeMemory::resolution).
 pub(super) fn search(
     errand: &Errand<'_>,
-    kept: (f64, f64),
+    kept: Kept,
     memory: &mut LatticeMemory,
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    let probe = Probe::new(errand, kept, budget);
+    let probe = Probe::new(errand, kept, budget)?;
     let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
     if errand.abilities.turn_in_place {
         let found = straight(&probe, FINE, memory)?;
@@ -129,6 +147,23 @@ pub(super) fn search(
         }
     }
     steered(&probe, memory)
+}
+
+/// A motion of straight legs, led farther from the walls: the free clearance is as large as it can
+/// be made by moving the places where it turns. `None` if it is no such motion, or nowhere turns.
+pub(super) fn widened(
+    errand: &Errand<'_>,
+    legs: &[Leg<2>],
+    budget: &Budget<'_>,
+) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    let kept = Kept { least: 0.0, as_at_ends: false, most_length: f64::INFINITY };
+    let probe = Probe::new(errand, kept, budget)?;
+    let Some(mut way) = Way::of(legs, &probe) else { return Ok(None) };
+    if way.backs.len() < 2 {
+        return Ok(None);
+    }
+    widen::widen(&mut way, &probe)?;
+    way.curves(&probe)
 }
 
 /// The way for a disc, and the narrow passages; `None` if there is no way for a disc.

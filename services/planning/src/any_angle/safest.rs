@@ -1,11 +1,15 @@
 //! The motion with the greatest free clearance.
 
+use std::cmp::Ordering;
+
 use super::disc::disc_of;
-use super::ladder::{Target, shortest};
-use super::measure::cost;
+use super::ladder::{LONG, LastRung, NEAR, Target, poses, shortest};
+use super::lattice;
+use super::measure::{cost, measure};
 use super::planner::Planner;
 use super::{Errand, LEAST_GAP, NoMotion, PRECISION, RobotMotion, bound, refusal};
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, Cap, Spent};
+use crate::motion::{Leg, Rung};
 
 /// Gaps looked at one by one, since more gap need not mean more clearance.
 const GAPS: usize = 32;
@@ -13,41 +17,68 @@ const GAPS: usize = 32;
 /// A disc that is wider than the widest by this part is stuck beside an end if there.
 const BESIDE: f64 = 1e-6;
 
-/// How often poses are searched.
-const MOST_POSES: usize = 3;
+/// What a rectangle keeps beside an end is mostly less than this times what a disc keeps.
+const LITTLE_MORE: f64 = 1.25;
 
-/// Finds the motion with the greatest free clearance, and among those within 1e-9 m of it the
-/// least costly.
-///
-/// What has at least some clearance is found for more and more of it, halving; and because a
-/// larger gap can lead the robot's ends nearer to a wall, gaps are also tried one by one.
+/// Gaps about which the best is looked for closely.
+const PEAKS: usize = 3;
+
+/// Searches between poses first try to get these parts nearer to all that a disc keeps.
+const FIRST_PARTS: [f64; 3] = [1.0 / 32.0, 1.0 / 1024.0, 1.0 / 32768.0];
+
+/// Lines between places to turn may be found for more clearance and not for less: so many steps
+/// of this part more than the best are looked at, and that so often.
+const STEPS_ON: usize = 8;
+const STEP_ON: f64 = 1.0 / 256.0;
+const ROUNDS: usize = 4;
+
+/// Steps of the budget after which no further search over poses begins.
+const MOST_STEPS: u64 = 60_000_000;
+
+/// Searches over poses come as near to the most they can keep as this part of it.
+const LAST_PART: f64 = 1e-3;
+
+/// Finds the motion with the greatest free clearance; of those within 1e-9 m of it, where any
+/// heading will do at the goal, that with the greatest clearance there; and of those the least
+/// costly.
 pub(super) fn safest(
     errand: &Errand<'_>,
     planner: &mut Planner,
     found: &mut RobotMotion,
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
-    let mut search =
-        SafestSearch { errand, planner, best: None, refused: None, blocked_gap: None, budget };
-    match search.try_some().and_then(|()| search.run()) {
-        Err(NoMotion::Spent(Spent::Limit { .. })) if search.best.is_some() => {
-            if let Some(best) = &mut search.best {
-                best.motion.is_complete = false;
-            }
-        }
-        Err(error) => return Err(error),
-        Ok(()) => {}
+    let mut search = SafestSearch::new(errand, None, planner, budget);
+    search.search()?;
+    let SafestSearch { best, refused, .. } = search;
+    match (best, refused) {
+        (Some(best), _) => *found = best.motion,
+        (None, Some(refused)) => return Err(refused),
+        (None, None) => return Err(no_way(errand, planner, budget)?),
     }
-    match search.best {
-        Some(best) => {
-            *found = best.motion;
-            Ok(())
-        }
-        None => match search.refused {
-            Some(refused) => Err(refused),
-            None => Err(no_way(errand, search.planner, budget)?),
-        },
+    Ok(())
+}
+
+/// The least costly motion with at least this free clearance among those that lead to the
+/// safest, metres; the refusal if none has it.
+pub(super) fn keeping(
+    errand: &Errand<'_>,
+    (least, refused): (f64, NoMotion),
+    planner: &mut Planner,
+    found: &mut RobotMotion,
+    budget: &Budget<'_>,
+) -> Result<(), NoMotion> {
+    let mut search = SafestSearch::new(errand, Some(least), planner, budget);
+    // Beside an end a rectangle keeps little more than a disc, if anything.
+    let width = errand.footprint.width();
+    search.is_brief = matches!(refused, NoMotion::TooNarrow { has, .. }
+        if 2.0 * least > LITTLE_MORE * (has - width));
+    search.search()?;
+    match (search.enough, search.spent) {
+        (Some(enough), _) => *found = enough.motion,
+        (None, Some(spent)) => return Err(spent.into()),
+        (None, None) => return Err(refused),
     }
+    Ok(())
 }
 
 /// Not even the robot's width passes.
@@ -60,17 +91,37 @@ fn no_way(
 }
 
 fn at_least(least: f64) -> Target {
-    Target { gap: least, least: Some(least), searches_poses: false }
+    Target { gap: least, least: Some(least), last: LastRung::Radius }
 }
 
 fn with_gap(gap: f64) -> Target {
-    Target { gap, least: None, searches_poses: false }
+    Target { gap, least: None, last: LastRung::Aligned }
+}
+
+/// How safe a motion is.
+#[derive(Debug, Clone, Copy)]
+struct Safety {
+    /// Its free clearance, metres.
+    free: f64,
+    /// Its clearance where the way decides what is kept at the goal, metres; otherwise 0.
+    clearance: f64,
+}
+
+impl Safety {
+    const NONE: Self = Self { free: 0.0, clearance: 0.0 };
+
+    /// Which is less, if they differ by more than rounding.
+    fn compare(&self, other: &Self) -> Ordering {
+        let parts = [(self.free, other.free), (self.clearance, other.clearance)];
+        let differs = |(one, other): &&(f64, f64)| (one - other).abs() > PRECISION;
+        parts.iter().find(differs).map_or(Ordering::Equal, |(one, other)| one.total_cmp(other))
+    }
 }
 
 /// A motion that was found.
+#[derive(Clone)]
 struct Contender {
-    /// Its free clearance, metres.
-    clearance: f64,
+    safety: Safety,
     cost: f64,
     motion: RobotMotion,
 }
@@ -79,13 +130,57 @@ struct SafestSearch<'a, 'b> {
     errand: &'a Errand<'a>,
     planner: &'a mut Planner,
     best: Option<Contender>,
+    /// What is enough, and the least costly motion that has it.
+    least: Option<f64>,
+    enough: Option<Contender>,
     refused: Option<NoMotion>,
     /// A gap with which the robot was blocked, metres.
     blocked_gap: Option<f64>,
+    /// The largest gap with which the ladder would go on to lines, and to poses.
+    long_gaps: [f64; 2],
+    /// Whether gaps alone are tried.
+    is_brief: bool,
+    /// What ended the search before its end.
+    spent: Option<Spent>,
     budget: &'a Budget<'b>,
 }
 
-impl SafestSearch<'_, '_> {
+impl<'a, 'b> SafestSearch<'a, 'b> {
+    fn new(
+        errand: &'a Errand<'a>,
+        least: Option<f64>,
+        planner: &'a mut Planner,
+        budget: &'a Budget<'b>,
+    ) -> Self {
+        Self {
+            errand,
+            planner,
+            best: None,
+            least,
+            enough: None,
+            refused: None,
+            blocked_gap: None,
+            long_gaps: [0.0; 2],
+            is_brief: false,
+            spent: None,
+            budget,
+        }
+    }
+
+    /// All of it, or what the budget is enough for.
+    fn search(&mut self) -> Result<(), NoMotion> {
+        match self.try_some().and_then(|()| self.run()) {
+            Err(NoMotion::Spent(spent @ Spent::Limit { .. })) if self.best.is_some() => {
+                self.spent = Some(spent);
+                for found in [&mut self.best, &mut self.enough].into_iter().flatten() {
+                    found.motion.is_complete = false;
+                }
+                Ok(())
+            }
+            result => result,
+        }
+    }
+
     /// Some gaps first, so that there is a motion if the budget ends.
     fn try_some(&mut self) -> Result<(), NoMotion> {
         let half = self.errand.footprint.width() / 2.0;
@@ -96,6 +191,7 @@ impl SafestSearch<'_, '_> {
         Ok(())
     }
 
+    /// What is looked for one after the other, until it is found.
     fn run(&mut self) -> Result<(), NoMotion> {
         let Self { errand, budget, .. } = *self;
         let half = errand.footprint.width() / 2.0;
@@ -105,126 +201,263 @@ impl SafestSearch<'_, '_> {
         let Some((widest, _)) = widest.filter(|(widest, _)| *widest > half) else {
             return Err(no_way(errand, self.planner, budget)?);
         };
-        let (mut low, mut high) = (0.0, widest - half);
-        let keeps_all = self.try_target(at_least(high))?;
+        let most = widest - half;
+        let keeps_all = self.try_target(at_least(most))?.is_some();
         // Beside the ends a rectangle can keep more than a disc; in a passage it can't.
         let is_even = disc_of(errand, widest * (1.0 + BESIDE), budget)?.is_even();
-        if !keeps_all || !is_even {
-            for step in 1..GAPS {
-                self.try_target(with_gap(high * step as f64 / GAPS as f64))?;
-            }
-            self.refine(high / GAPS as f64, high)?;
+        if self.enough.is_some() || keeps_all && is_even {
+            return Ok(());
         }
-        if !keeps_all {
-            // Where a gap leads nowhere else, poses are searched, whatever the gap.
-            if let Some(gap) = self.blocked_gap {
-                self.try_target(Target { searches_poses: true, ..with_gap(gap) })?;
-            }
-            low = self.best_clearance().max(low);
-            while high - low > PRECISION {
-                let middle = (low + high) / 2.0;
-                if middle <= low || middle >= high {
-                    break;
-                }
-                if self.try_target(at_least(middle))? {
-                    low = self.best_clearance().max(middle);
-                } else {
-                    high = middle;
-                }
-            }
+        self.scan(most)?;
+        if self.enough.is_some() || keeps_all || self.is_brief {
+            return Ok(());
         }
-        // Where nothing else helps, poses are searched, for half of the clearance and so on.
-        let mut least = high / 2.0;
-        for _ in 0..MOST_POSES {
-            if self.best.is_some() {
-                break;
-            }
-            self.try_target(Target { searches_poses: true, ..at_least(least) })?;
-            least /= 4.0;
+        self.halve(self.best_free(), most, PRECISION, |search, least| {
+            search.try_target(at_least(least))
+        })?;
+        let is_blocked = self.blocked_gap.is_some();
+        if self.enough.is_none() && (is_blocked || self.long_gaps[0] > 0.0) {
+            self.try_poses(Rung::Aligned, most, PRECISION)?;
+            self.step_on(most)?;
+        }
+        // Where a gap leads nowhere else, poses are searched, whatever the gap.
+        if self.enough.is_none()
+            && let Some(gap) = self.blocked_gap
+        {
+            self.try_target(Target { last: LastRung::Lattice, ..with_gap(gap) })?;
+        }
+        let is_from_poses = self
+            .best
+            .as_ref()
+            .is_some_and(|best| best.motion.legs.iter().any(|leg| leg.rung == Some(Rung::Lattice)));
+        let most = if is_from_poses { most } else { self.long_gaps[1].min(most) };
+        if self.enough.is_none() {
+            self.try_poses(Rung::Lattice, most, LAST_PART * most)?;
+            self.widen()?;
         }
         Ok(())
     }
 
-    fn best_clearance(&self) -> f64 {
-        self.best.as_ref().map_or(0.0, |best| best.clearance)
-    }
-
-    /// Whether there is such a motion; the best is kept.
-    fn try_target(&mut self, target: Target) -> Result<bool, NoMotion> {
-        let Some(found) = self.find(target)? else { return Ok(false) };
-        let is_better = self.best.as_ref().is_none_or(|best| {
-            found.clearance > best.clearance + PRECISION
-                || (found.clearance >= best.clearance - PRECISION && found.cost < best.cost)
-        });
-        if is_better {
-            self.best = Some(found);
+    /// Leads the best motion, if it is one of straight legs, farther from the walls.
+    fn widen(&mut self) -> Result<(), NoMotion> {
+        let Self { errand, budget, .. } = *self;
+        let Some(best) = &self.best else { return Ok(()) };
+        let legs = &best.motion.legs;
+        let Some(Leg { rung, .. }) = legs.first().copied() else { return Ok(()) };
+        if self.enough.is_some() || matches!(rung, Some(Rung::Taut | Rung::Radius)) {
+            return Ok(());
         }
-        Ok(true)
+        let Some(curves) = lattice::widened(errand, legs, budget)? else { return Ok(()) };
+        let mut motion = RobotMotion { is_complete: true, ..RobotMotion::default() };
+        motion.gap = best.motion.gap;
+        let leg = |curve| Leg { curve, junction: None, rule: None, rung };
+        let legs = curves.into_iter().map(leg).collect();
+        if measure(errand, legs, &mut motion, budget)?.is_empty() {
+            self.offer(motion)?;
+        }
+        Ok(())
     }
 
-    /// The motion that keeps this, if there is one.
-    fn find(&mut self, target: Target) -> Result<Option<Contender>, NoMotion> {
-        let mut motion = RobotMotion::default();
-        match shortest(self.errand, target, self.planner, &mut motion, self.budget) {
-            Ok(()) => {}
-            Err(NoMotion::Spent(Spent::Limit { .. })) if self.best.is_some() => {
-                if let Some(best) = &mut self.best {
-                    best.motion.is_complete = false;
-                }
+    /// Gap by gap, and between the neighbours of the best ones.
+    fn scan(&mut self, most: f64) -> Result<(), NoMotion> {
+        let step = most / GAPS as f64;
+        let mut kept = [Safety::NONE; GAPS];
+        for (index, kept) in kept.iter_mut().enumerate().skip(1) {
+            let found = self.try_target(with_gap(step * index as f64))?;
+            *kept = found.unwrap_or(Safety::NONE);
+        }
+        let mut peaks: Vec<usize> = (1..GAPS).collect();
+        peaks.retain(|&at| {
+            let beside = [kept[at - 1], kept.get(at + 1).copied().unwrap_or(Safety::NONE)];
+            kept[at].free > 0.0 && beside.iter().all(|other| kept[at].compare(other).is_ge())
+        });
+        // Sorting takes an order without a tolerance.
+        let order = |at: &usize| kept[*at];
+        peaks.sort_by(|one, other| {
+            let (one, other) = (order(one), order(other));
+            other.free.total_cmp(&one.free).then(other.clearance.total_cmp(&one.clearance))
+        });
+        for &at in peaks.iter().take(PEAKS) {
+            // Clearance grows no faster than the gap.
+            if kept[at].free + step > self.best_free() {
+                let gap = step * at as f64;
+                self.refine(((gap - step).max(0.0), (gap + step).min(most)), most)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Motions between poses that keep more than the best so far, up to `most`, to a precision.
+    fn try_poses(&mut self, rung: Rung, most: f64, precision: f64) -> Result<(), NoMotion> {
+        let low = self.best_free();
+        if most - low <= precision {
+            return Ok(());
+        }
+        let begun = self.budget.drawn(Cap::Steps);
+        let look = |search: &mut Self, least: f64| {
+            if search.budget.drawn(Cap::Steps) - begun > MOST_STEPS {
                 return Ok(None);
             }
-            Err(NoMotion::Spent(spent)) => return Err(spent.into()),
+            search.try_search(rung, least)
+        };
+        let mut high = most;
+        for part in FIRST_PARTS {
+            let first = low + part * (most - low);
+            if let Some(found) = look(self, first)? {
+                return self.halve(found.free.max(first), high, precision, look);
+            }
+            high = first;
+            if high - low <= precision {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks for lines with a little more clearance than the best.
+    fn step_on(&mut self, most: f64) -> Result<(), NoMotion> {
+        for _ in 0..ROUNDS {
+            self.widen()?;
+            let low = self.best_free();
+            for step in 1..=STEPS_ON {
+                let least = low * (1.0 + STEP_ON * step as f64);
+                if least < most && self.enough.is_none() {
+                    self.try_search(Rung::Aligned, least)?;
+                }
+            }
+            if self.best_free() <= low + PRECISION {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks for more and more, halving what is left between what was found and what was not.
+    fn halve(
+        &mut self,
+        mut low: f64,
+        mut high: f64,
+        precision: f64,
+        mut look: impl FnMut(&mut Self, f64) -> Result<Option<Safety>, NoMotion>,
+    ) -> Result<(), NoMotion> {
+        while high - low > precision && self.enough.is_none() {
+            let middle = (low + high) / 2.0;
+            if middle <= low || middle >= high {
+                break;
+            }
+            match look(self, middle)? {
+                Some(found) => low = found.free.max(middle),
+                None => high = middle,
+            }
+        }
+        Ok(())
+    }
+
+    fn best_free(&self) -> f64 {
+        self.best.as_ref().map_or(0.0, |best| best.safety.free)
+    }
+
+    /// How safe the motion is that keeps this, if there is one.
+    fn try_target(&mut self, target: Target) -> Result<Option<Safety>, NoMotion> {
+        let mut motion = RobotMotion::default();
+        match shortest(self.errand, target, self.planner, &mut motion, self.budget) {
+            Ok(()) => {
+                let taut = motion.taut_length.unwrap_or(f64::INFINITY);
+                if target.least.is_none() {
+                    let first = motion.legs.first().and_then(|leg| leg.rung);
+                    if !matches!(first, Some(Rung::Taut | Rung::Radius)) {
+                        self.long_gaps[0] = self.long_gaps[0].max(target.gap);
+                    }
+                    for (long, factor) in self.long_gaps.iter_mut().zip([NEAR, LONG]) {
+                        if motion.length > factor * taut {
+                            *long = long.max(target.gap);
+                        }
+                    }
+                }
+                self.offer(motion).map(Some)
+            }
+            Err(NoMotion::Spent(spent)) => Err(spent.into()),
             Err(refused) => {
-                if matches!(refused, NoMotion::Blocked { .. }) && target.least.is_none() {
+                let is_plain = target.least.is_none() && target.last > LastRung::Radius;
+                if matches!(refused, NoMotion::Blocked { .. }) && is_plain {
                     self.blocked_gap = Some(target.gap);
                     self.refused = Some(refused);
                 } else {
                     self.refused.get_or_insert(refused);
                 }
-                return Ok(None);
+                Ok(None)
             }
         }
-        bound::measure_free_clearance(self.errand, &mut motion, self.budget)?;
-        let (clearance, cost) = (motion.free_clearance, cost(self.errand, &motion.legs));
-        Ok(Some(Contender { clearance, cost, motion }))
     }
 
-    /// Looks between the neighbours of the best gap, by golden sections.
-    fn refine(&mut self, step: f64, most: f64) -> Result<(), NoMotion> {
-        let Some(gap) = self.best.as_ref().map(|best| best.motion.gap) else {
-            return Ok(());
+    /// How safe a motion between poses is that keeps this, if there is one.
+    fn try_search(&mut self, rung: Rung, least: f64) -> Result<Option<Safety>, NoMotion> {
+        let mut motion = RobotMotion { is_complete: true, ..RobotMotion::default() };
+        let kind = (rung, f64::INFINITY);
+        let target = at_least(least);
+        if !poses(self.errand, target, kind, self.planner, &mut motion, self.budget)? {
+            return Ok(None);
+        }
+        self.offer(motion).map(Some)
+    }
+
+    /// Keeps a motion if it is better; how safe it is.
+    fn offer(&mut self, mut motion: RobotMotion) -> Result<Safety, NoMotion> {
+        bound::measure_free_clearance(self.errand, &mut motion, self.budget)?;
+        let free = motion.free_clearance;
+        let clearance = match (self.errand.goal.heading, &motion.clearance) {
+            (None, Some(clearance)) => clearance.value,
+            _ => 0.0,
         };
+        let cost = cost(self.errand, &motion.legs);
+        let safety = Safety { free, clearance };
+        let found = Contender { safety, cost, motion };
+        if self.least.is_some_and(|least| free >= least - PRECISION)
+            && self.enough.as_ref().is_none_or(|enough| cost < enough.cost)
+        {
+            self.enough = Some(found.clone());
+        }
+        if self.best.as_ref().is_none_or(|best| found.is_better_than(best)) {
+            self.best = Some(found);
+        }
+        Ok(safety)
+    }
+
+    /// Looks between two gaps, by golden sections.
+    fn refine(&mut self, (mut low, mut high): (f64, f64), most: f64) -> Result<(), NoMotion> {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
-        let (mut low, mut high) = ((gap - step).max(0.0), (gap + step).min(most));
-        let clearance_at = |search: &mut Self, gap: f64| -> Result<f64, NoMotion> {
-            let Some(found) = search.find(with_gap(gap))? else { return Ok(0.0) };
-            let clearance = found.clearance;
-            if search.best_clearance() < clearance {
-                search.best = Some(found);
-            }
-            Ok(clearance)
+        let clear_at = |search: &mut Self, gap: f64| -> Result<Safety, NoMotion> {
+            let target = Target { last: LastRung::Radius, ..with_gap(gap) };
+            Ok(search.try_target(target)?.unwrap_or(Safety::NONE))
         };
         let mut one = high - GOLDEN * (high - low);
         let mut other = low + GOLDEN * (high - low);
-        let mut at_one = clearance_at(self, one)?;
-        let mut at_other = clearance_at(self, other)?;
+        let mut at_one = clear_at(self, one)?;
+        let mut at_other = clear_at(self, other)?;
         while high - low > PRECISION * most.max(1.0) {
-            if at_one >= at_other {
+            if at_one.compare(&at_other).is_ge() {
                 (high, other, at_other) = (other, one, at_one);
                 one = high - GOLDEN * (high - low);
                 if one <= low || one >= other {
                     break;
                 }
-                at_one = clearance_at(self, one)?;
+                at_one = clear_at(self, one)?;
             } else {
                 (low, one, at_one) = (one, other, at_other);
                 other = low + GOLDEN * (high - low);
                 if other >= high || other <= one {
                     break;
                 }
-                at_other = clearance_at(self, other)?;
+                at_other = clear_at(self, other)?;
             }
         }
         Ok(())
+    }
+}
+
+impl Contender {
+    fn is_better_than(&self, other: &Self) -> bool {
+        let safety = self.safety.compare(&other.safety);
+        safety.is_gt() || safety.is_eq() && self.cost < other.cost
     }
 }

@@ -177,7 +177,8 @@ impl Field {
     fn search(&mut self, probe: &Probe<'_>) -> Result<(), Spent> {
         let Some(start) = self.cell(&Vector::zeros()) else { return Ok(()) };
         // A cell is passed if the disc fits anywhere in it.
-        let needs = probe.inner - HALF_DIAGONAL * self.step;
+        let spare = HALF_DIAGONAL * self.step;
+        let needs = probe.inner - spare;
         let around = libm::round(probe.goal.x / self.step) as i64;
         let beside = libm::round(probe.goal.y / self.step) as i64;
         for place in (-1..=1).flat_map(|x| (-1..=1).map(move |y| [around + x, beside + y])) {
@@ -211,7 +212,10 @@ impl Field {
                     continue;
                 }
                 let there = self.clear(probe, next)?;
-                if there < needs && next != start {
+                if there < needs
+                    && next != start
+                    && there < probe.inner_at(&self.middle(next)) - spare
+                {
                     continue;
                 }
                 if here + there <= length * self.step

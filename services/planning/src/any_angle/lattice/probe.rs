@@ -2,13 +2,15 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::Kept;
 use crate::any_angle::Errand;
 use crate::any_angle::disc::distance_to;
 use crate::budget::{Budget, Spent};
-use crate::clearance::rectangle::stays_clear;
-use crate::driving::{CONTACT, SAME_HEADING, shortest_turn};
+use crate::clearance::rectangle::{clearance_rectangle_pose, free_clearance, stays_clear};
+use crate::driving::{CONTACT, Pose, SAME_HEADING, shortest_turn};
+use crate::geometry::distance::distance_point_segment;
 use crate::geometry::{Vector, rotated, unit, unrotated};
-use crate::motion::{Curve, wrapped};
+use crate::motion::{Curve, Leg, wrapped};
 
 /// Steps of the budget that looking at a point, or at a motion, takes beside its walls.
 const STEPS_PER_LOOK: u64 = 4;
@@ -25,6 +27,11 @@ pub(super) struct Probe<'a> {
     pub(super) budget: &'a Budget<'a>,
     /// What every motion keeps from the walls, metres.
     needs: f64,
+    /// Whether the start or the goal is nearer to a wall than that, and so may other poses be to
+    /// the same wall points.
+    is_docked: bool,
+    /// How far computed positions may be off, metres.
+    rounding: f64,
     /// A circle of this radius about the reference point is free: so is every heading, metres.
     pub(super) swing: f64,
     /// The reference point is nowhere nearer to a wall, metres.
@@ -40,28 +47,39 @@ pub(super) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// `least` is what every motion keeps from the walls, metres; see `most_length`.
     pub(super) fn new(
         errand: &'a Errand<'a>,
-        (least, most_length): (f64, f64),
+        kept: Kept,
         budget: &'a Budget<'a>,
-    ) -> Self {
-        let Errand { footprint, start, goal, .. } = errand;
+    ) -> Result<Self, Spent> {
+        let Errand { footprint, start, goal, walls, .. } = errand;
+        let Kept { least, as_at_ends, most_length } = kept;
         let rounding = position_rounding(&start.position, &goal.position);
         let needs = least.max(CONTACT) + 2.0 * rounding;
         let axis = unit(start.heading);
         let half = footprint.width() / 2.0;
-        Self {
+        let mut is_docked = false;
+        if as_at_ends {
+            let ends = [(start.position, Some(start.heading)), (goal.position, goal.heading)];
+            for (position, heading) in ends {
+                let Some(heading) = heading else { continue };
+                let near = clearance_rectangle_pose(footprint, &position, heading, walls, budget)?;
+                is_docked |= near.is_some_and(|near| near.value <= needs);
+            }
+        }
+        Ok(Self {
             errand,
             budget,
             needs,
+            is_docked,
+            rounding,
             swing: footprint.swing_radius() + needs + rounding,
             inner: half.min(footprint.front()).min(footprint.rear()) + needs,
             most_length,
             goal: unrotated(&(goal.position - start.position), &axis),
             goal_heading: goal.heading.map(|heading| wrapped(heading - start.heading)),
             axis,
-        }
+        })
     }
 
     /// The gap that the robot needs to pass in line, metres.
@@ -140,7 +158,65 @@ impl<'a> Probe<'a> {
     pub(super) fn is_free(&self, curve: &Curve<2>) -> Result<bool, Spent> {
         self.budget.step(STEPS_PER_LOOK)?;
         let Errand { footprint, walls, .. } = self.errand;
-        stays_clear(footprint, curve, walls, self.needs, self.budget)
+        let is_clear = stays_clear(footprint, curve, walls, self.needs, self.budget)?;
+        if is_clear || !self.is_docked || !self.is_beside_end(curve) {
+            return Ok(is_clear);
+        }
+        let bare = CONTACT + 2.0 * self.rounding;
+        Ok(stays_clear(footprint, curve, walls, bare, self.budget)? && self.is_as_at_ends(curve)?)
+    }
+
+    /// Whether the robot may come as near to the same wall points as it is at the start or the
+    /// goal: it gets there, or next to it.
+    fn is_beside_end(&self, curve: &Curve<2>) -> bool {
+        let ends = [self.errand.start.position, self.errand.goal.position];
+        let apart = |end: &Vector<2>| match curve {
+            Curve::Line { from, to, .. } => distance_point_segment(end, (from, to)),
+            Curve::Arc { center, radius, .. } => ((end - center).norm() - radius).abs(),
+            Curve::Turn { position, .. } => (end - position).norm(),
+        };
+        ends.iter().any(|end| apart(end) <= 2.0 * self.swing)
+    }
+
+    /// A turn in place by an angle.
+    pub(super) fn turn_by(&self, at: &Vector<2>, from: f64, sweep: f64) -> Curve<2> {
+        let (position, from_heading) = (self.in_world(at), self.world_heading(from));
+        Curve::Turn { position, from_heading, sweep }
+    }
+
+    /// The free clearance over a motion, metres; 0 if it touches a wall. Where any heading will do
+    /// at the goal, what the robot keeps there counts in full.
+    pub(super) fn free_clearance(&self, curve: &Curve<2>) -> Result<f64, Spent> {
+        let Errand { footprint, start, goal, walls, .. } = self.errand;
+        let bare = CONTACT + 2.0 * self.rounding;
+        if !stays_clear(footprint, curve, walls, bare, self.budget)? {
+            return Ok(0.0);
+        }
+        let last = goal.heading.map_or(*start, |heading| Pose { position: goal.position, heading });
+        let leg = Leg { curve: *curve, junction: None, rule: None, rung: None };
+        let free = free_clearance(footprint, &[leg], walls, &[*start, last], self.budget)?;
+        Ok(free.map_or(f64::INFINITY, |free| free.value))
+    }
+
+    /// Whether a motion that touches no wall keeps what it must, or as much as at an end.
+    fn is_as_at_ends(&self, curve: &Curve<2>) -> Result<bool, Spent> {
+        let Errand { footprint, start, goal, walls, .. } = self.errand;
+        // A robot that need not have any heading there arrives with this one.
+        let arrives = (curve.end() == goal.position).then(|| curve.end_heading());
+        let last = goal.heading.or(arrives);
+        let last = last.map_or(*start, |heading| Pose { position: goal.position, heading });
+        let leg = Leg { curve: *curve, junction: None, rule: None, rung: None };
+        let free = free_clearance(footprint, &[leg], walls, &[*start, last], self.budget)?;
+        Ok(free.is_none_or(|free| free.value > self.needs))
+    }
+
+    /// What the reference point keeps from the walls at least, metres.
+    pub(super) fn inner_at(&self, point: &Vector<2>) -> f64 {
+        let is_beside = |end: &Vector<2>| (point - end).norm() <= 2.0 * self.swing;
+        if self.is_docked && (is_beside(&Vector::zeros()) || is_beside(&self.goal)) {
+            return self.inner - self.needs;
+        }
+        self.inner
     }
 
     /// The least angle to turn in place from one heading to another, as far as walls let it;

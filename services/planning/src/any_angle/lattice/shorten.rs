@@ -231,7 +231,7 @@ fn descend(way: &mut Way, probe: &Probe<'_>) -> Result<(), Spent> {
 }
 
 /// Along the legs at a point, midway between them, and at right angles to each of these.
-fn directions(way: &Way, knot: usize) -> [Vector<2>; 12] {
+pub(super) fn directions(way: &Way, knot: usize) -> [Vector<2>; 12] {
     let along = |leg: usize| {
         let line = way.knots[leg + 1] - way.knots[leg];
         let length = line.norm();

@@ -91,18 +91,14 @@ struct Measured {
     cost: f64,
 }
 
-type Search = fn(
-    &Errand<'_>,
-    (f64, f64),
-    &mut LatticeMemory,
-    &Budget<'_>,
-) -> Result<Option<Vec<Curve<2>>>, Spent>;
+type Search =
+    fn(&Errand<'_>, Kept, &mut LatticeMemory, &Budget<'_>) -> Result<Option<Vec<Curve<2>>>, Spent>;
 
 /// Runs a search and checks its answer: continuous, free, and the same by sampling.
 fn run(scene: &Scene, search: Search, least: f64) -> Option<Measured> {
     scene.with_errand(|errand, budget| {
         let mut memory = LatticeMemory::default();
-        let curves = search(errand, (least, f64::INFINITY), &mut memory, budget).unwrap();
+        let curves = search(errand, Kept::all_along(least), &mut memory, budget).unwrap();
         assert!(memory.bytes() > 0);
         let curves = curves?;
         check_continuous(errand, &curves);
@@ -375,7 +371,7 @@ fn way_for_a_disc_alone_is_no_way() {
         assert!(run(&scene.clone().reverse(), aligned, 0.0).is_none());
         scene.reverse().with_errand(|errand, budget| {
             let mut memory = LatticeMemory::default();
-            assert_eq!(search(errand, (0.0, f64::INFINITY), &mut memory, budget), Ok(None));
+            assert_eq!(search(errand, Kept::all_along(0.0), &mut memory, budget), Ok(None));
             assert!(memory.resolution().is_some_and(|resolution| resolution.step <= 0.075));
         });
     }
@@ -391,7 +387,7 @@ fn passage_too_narrow_for_a_disc_is_no_way() {
     let scene = Scene::new([0.6, 0.8], &walls, ([0.8, 1.0], 0.0), ([3.2, 1.0], None));
     scene.with_errand(|errand, budget| {
         let mut memory = LatticeMemory::default();
-        assert_eq!(search(errand, (0.0, f64::INFINITY), &mut memory, budget), Ok(None));
+        assert_eq!(search(errand, Kept::all_along(0.0), &mut memory, budget), Ok(None));
         assert_eq!(memory.resolution(), None);
     });
 }
@@ -401,11 +397,11 @@ fn spent_budget_ends_a_search() {
     needs_reverse().with_errand(|errand, _| {
         let limits = crate::budget::Allowance { steps: 20_000, ..crate::budget::Allowance::NONE };
         let budget = Budget::new(limits);
-        let spent = search(errand, (0.0, f64::INFINITY), &mut LatticeMemory::default(), &budget);
+        let spent = search(errand, Kept::all_along(0.0), &mut LatticeMemory::default(), &budget);
         assert!(matches!(spent, Err(Spent::Limit { most: 20_000, .. })));
         let limits = crate::budget::Allowance { bytes: 20_000, ..crate::budget::Allowance::NONE };
         let budget = Budget::new(limits);
-        let spent = search(errand, (0.0, f64::INFINITY), &mut LatticeMemory::default(), &budget);
+        let spent = search(errand, Kept::all_along(0.0), &mut LatticeMemory::default(), &budget);
         assert!(matches!(spent, Err(Spent::Limit { most: 20_000, .. })));
         assert_eq!(budget.drawn(crate::budget::Cap::Bytes), 0);
     });

@@ -1,11 +1,13 @@
 //! Straight legs and turns in place between them.
 
+use std::f64::consts::TAU;
+
 use super::probe::Probe;
 use crate::budget::Spent;
 use crate::driving::legs::NO_LINE;
 use crate::driving::{SAME_HEADING, shortest_turn};
 use crate::geometry::Vector;
-use crate::motion::{Curve, wrapped};
+use crate::motion::{Curve, Leg, wrapped};
 
 /// Sweeps up to this are no stop, radians.
 pub(super) const NO_TURN: f64 = 1e-9;
@@ -21,6 +23,26 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// That of a motion of straight legs and turns in place; `None` if it has others.
+    pub(super) fn of(legs: &[Leg<2>], probe: &Probe<'_>) -> Option<Self> {
+        let mut way = Self { knots: vec![Vector::zeros()], sweeps: vec![0.0], ..Self::default() };
+        for leg in legs {
+            match leg.curve {
+                Curve::Line { to, turned: 0.0, .. } => {
+                    way.backs.push(leg.curve.is_reverse());
+                    way.knots.push(probe.in_frame(&to));
+                    way.sweeps.push(0.0);
+                }
+                Curve::Turn { sweep, .. } => *way.sweeps.last_mut()? += sweep,
+                _ => return None,
+            }
+        }
+        if let Some(last) = way.knots.last_mut().filter(|_| !way.backs.is_empty()) {
+            *last = probe.goal;
+        }
+        Some(way)
+    }
+
     /// The heading on a leg, radians.
     pub(super) fn heading(&self, leg: usize) -> f64 {
         let (from, to) = (&self.knots[leg], &self.knots[leg + 1]);
@@ -60,6 +82,14 @@ impl Way {
         Ok(true)
     }
 
+    /// Finds the turn at a point anew, the same way round.
+    pub(super) fn turn_again(&mut self, knot: usize, probe: &Probe<'_>) {
+        let [before, after] = self.headings_at(knot, probe);
+        let short = shortest_turn(before, after);
+        let turns = libm::round((self.sweeps[knot] - short) / TAU);
+        self.sweeps[knot] = short + turns * TAU;
+    }
+
     /// What a turn costs, with the stop for it; metres.
     pub(super) fn cost_of_turn(&self, knot: usize, sweep: f64, probe: &Probe<'_>) -> f64 {
         let costs = &probe.errand.costs;
@@ -87,8 +117,8 @@ impl Way {
         let turn = |knot: usize, from_heading: f64, to: f64| {
             let short = shortest_turn(from_heading, to);
             // The way round that was found free.
-            let turns = libm::round((self.sweeps[knot] - short) / std::f64::consts::TAU);
-            let sweep = short + turns * std::f64::consts::TAU;
+            let turns = libm::round((self.sweeps[knot] - short) / TAU);
+            let sweep = short + turns * TAU;
             let position = probe.in_world(&self.knots[knot]);
             Curve::Turn { position, from_heading, sweep }
         };

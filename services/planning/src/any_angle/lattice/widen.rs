@@ -1,0 +1,114 @@
+//! Leads straight legs farther from the walls.
+
+use super::probe::Probe;
+use super::shorten::directions;
+use super::way::Way;
+use crate::budget::Spent;
+
+/// Points are moved by steps from the first to the last part of the turning circle's radius.
+const FIRST_STEP: f64 = 0.25;
+const LAST_STEP: f64 = 1e-8;
+
+/// Moves by steps of one size.
+const MOST_MOVES: usize = 24;
+
+/// Steps of the budget that a move takes beside its looks at walls.
+const STEPS_PER_MOVE: u64 = 10;
+
+/// A leg, or the turn at a point.
+#[derive(Debug, Clone, Copy)]
+enum Piece {
+    Leg(usize),
+    Turn(usize),
+}
+
+/// Moves the points of a way as long as the piece that is nearest to a wall gets farther from it.
+/// What counts is the free clearance.
+pub(super) fn widen(way: &mut Way, probe: &Probe<'_>) -> Result<(), Spent> {
+    let count = way.backs.len();
+    let mut step = FIRST_STEP * probe.swing;
+    while step > LAST_STEP * probe.swing {
+        for _ in 0..MOST_MOVES {
+            let mut worst: Option<(f64, Piece)> = None;
+            let pieces = (0..count).map(Piece::Leg).chain((0..=count).map(Piece::Turn));
+            for piece in pieces {
+                let kept = kept(way, piece, probe)?;
+                if worst.is_none_or(|(least, _)| kept < least) {
+                    worst = Some((kept, piece));
+                }
+            }
+            let Some((least, piece)) = worst else { return Ok(()) };
+            if !least.is_finite() || !move_off(way, piece, (step, least), probe)? {
+                break;
+            }
+        }
+        step /= 2.0;
+    }
+    Ok(())
+}
+
+/// Moves a point of this piece, or both of a leg, so that all beside them keep more than `least`;
+/// whether there is such a move.
+fn move_off(
+    way: &mut Way,
+    piece: Piece,
+    (step, least): (f64, f64),
+    probe: &Probe<'_>,
+) -> Result<bool, Spent> {
+    let count = way.backs.len();
+    let (first, last) = match piece {
+        Piece::Leg(leg) => (leg, leg + 1),
+        Piece::Turn(knot) => (knot.saturating_sub(1), knot + 1),
+    };
+    for knot in first.max(1)..=last.min(count.saturating_sub(1)) {
+        for end in knot..=(knot + 1).min(count - 1) {
+            for direction in directions(way, knot) {
+                probe.budget.step(STEPS_PER_MOVE)?;
+                let before = [way.knots[knot], way.knots[end]];
+                let sweeps = way.sweeps.clone();
+                for moved in knot..=end {
+                    way.knots[moved] += direction * step;
+                }
+                if keeps_more((way, knot, end), least, probe)? {
+                    return Ok(true);
+                }
+                (way.knots[knot], way.knots[end]) = (before[0], before[1]);
+                way.sweeps = sweeps;
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// Whether all legs and turns beside some points keep more than this; their turns are found anew.
+fn keeps_more(
+    (way, first, last): (&mut Way, usize, usize),
+    least: f64,
+    probe: &Probe<'_>,
+) -> Result<bool, Spent> {
+    for leg in first - 1..=last {
+        if kept(way, Piece::Leg(leg), probe)? <= least {
+            return Ok(false);
+        }
+    }
+    for knot in first - 1..=last + 1 {
+        way.turn_again(knot, probe);
+        if kept(way, Piece::Turn(knot), probe)? <= least {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// The free clearance over a piece, metres; 0 if it touches a wall.
+fn kept(way: &Way, piece: Piece, probe: &Probe<'_>) -> Result<f64, Spent> {
+    let curve = match piece {
+        Piece::Leg(leg) => probe.line(&way.knots[leg], &way.knots[leg + 1], way.backs[leg]),
+        Piece::Turn(knot) if way.sweeps[knot] == 0.0 => return Ok(f64::INFINITY),
+        Piece::Turn(knot) => {
+            let [from, _] = way.headings_at(knot, probe);
+            probe.turn_by(&way.knots[knot], from, way.sweeps[knot])
+        }
+    };
+    probe.free_clearance(&curve)
+}
