@@ -10,3 +10,4 @@ mod plan;
 mod planner;
 mod read;
 mod recorder;
+mod service;

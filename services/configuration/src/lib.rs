@@ -137,7 +137,7 @@ impl Config {
             ("tap_buffer", self.tap_buffer as f64, 1.0, 1_048_576.0),
             ("patience", self.patience, 0.0, 60.0),
             ("workers", self.workers as f64, 0.0, 256.0),
-            ("queue", self.queue as f64, 0.0, 65_536.0),
+            ("queue", self.queue as f64, 1.0, 65_536.0),
             ("queue_bytes", self.queue_bytes as f64, 0.0, (1_u64 << 40) as f64),
             ("grace", self.grace, 0.0, 3600.0),
             ("cache", self.cache as f64, 0.0, (1_u64 << 40) as f64),

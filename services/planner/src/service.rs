@@ -303,6 +303,7 @@ impl<'a> Service<'a> {
             match told.what {
                 Outcome::Begun => request.waits = false,
                 Outcome::Part(header, cells) => {
+                    request.is_written = header.last != 0;
                     request.unsent += size_of_val(cells.as_slice());
                     if let Err(error) = request.incoming.push(*header, cells) {
                         self.give_up(told.ticket, &error);
@@ -322,7 +323,8 @@ impl<'a> Service<'a> {
         }
         let mut ended = Vec::new();
         for (ticket, request) in &mut self.in_hand {
-            let sent = match look && !request.incoming.is_waiting() {
+            let is_sent = request.is_written && !request.incoming.is_held_up();
+            let sent = match look && !is_sent && !request.incoming.is_waiting() {
                 true => Err(ReplyError::Gone),
                 false => request.incoming.flush(),
             };

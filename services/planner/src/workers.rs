@@ -185,7 +185,8 @@ impl Shared {
             if answered.is_err() {
                 // A defect in planning must not take the service with it.
                 workspace = Workspace::sharing(caps, store);
-                let mut sink = Parts { job: &job, turn: &turn, teller, left: 0 };
+                let left = &Cell::new(0);
+                let mut sink = Parts { job: &job, turn: &turn, teller, left };
                 let (Ok(()) | Err(Unwanted)) =
                     Workspace::refuse(&job.header, &internal_error(), &mut sink);
             }
@@ -212,17 +213,25 @@ impl Shared {
 }
 
 fn answer(workspace: &mut Workspace, job: &Job, turn: &Turn<'_>, teller: &Teller) {
+    let (stop, left) = (StopFlag::new(), Cell::new(job.written));
     let meanwhile = || {
         let now = Instant::now();
         if job.deadline.is_some_and(|deadline| now >= deadline) {
             job.stop.stop(StopReason::Deadline);
         }
-        turn.share(now);
+        match job.stop.reason() {
+            // The answers that the client has are gone through first, in a few milliseconds:
+            // only then it is known which ones are to be refused.
+            Some(reason) if left.get() == 0 || reason == StopReason::ClientLeft => {
+                stop.stop(reason);
+            }
+            _ => turn.share(now),
+        }
     };
     meanwhile();
-    let mut sink = Parts { job, turn, teller, left: job.written };
+    let mut sink = Parts { job, turn, teller, left: &left };
     let (Ok(()) | Err(Unwanted)) =
-        workspace.answer_while(&job.header, &job.cells, (&job.stop, &meanwhile), &mut sink);
+        workspace.answer_while(&job.header, &job.cells, (&stop, &meanwhile), &mut sink);
 }
 
 pub(crate) fn internal_error() -> Refusal {
@@ -326,8 +335,8 @@ struct Parts<'a> {
     job: &'a Job,
     turn: &'a Turn<'a>,
     teller: &'a Teller,
-    /// Parts that are written already.
-    left: usize,
+    /// Parts that are written already, and not gone through again.
+    left: &'a Cell<usize>,
 }
 
 /// Nobody wants the reply any more.
@@ -348,8 +357,8 @@ impl PartSink for Parts<'_> {
         }
         let mut memory = vec![0; cells];
         fill(&mut CellWriter::new(&mut memory));
-        if self.left > 0 {
-            self.left -= 1;
+        if let Some(left) = self.left.get().checked_sub(1) {
+            self.left.set(left);
             return Ok(());
         }
         self.turn.make_room(size_of_val(memory.as_slice()));

@@ -1,0 +1,337 @@
+//! Many clients at one planner: who waits for whom, deadlines, cancelling, overload, the end.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use bus::{CallError, Client, Pending, TapEvent, TapMessage, TapReader, Wait};
+use integration_tests::{LONG, Process, Signal, TestDomain, scene, wait_for};
+use schemas::json::read_scene;
+use schemas::message::{
+    Choice, ClearanceWish, ErrorCode, Gap, Reply, Request, RequestContent, RequestKey, Sampling,
+    SceneRequest,
+};
+
+/// Section 4 with two samples: microseconds.
+fn short(id: u64) -> SceneRequest {
+    let sampling = Some(Sampling::Count(2));
+    SceneRequest { id: Some(id), sampling, ..scene("disassemble-channels.json") }
+}
+
+/// A robot among pillars, asked for so many gaps: some milliseconds each.
+fn long(id: u64, answers: u32) -> SceneRequest {
+    let gap = |index| Choice::Gap(Gap::Uniform(0.1 + 1e-6 * f64::from(index)));
+    let clearance = ClearanceWish::Each((0..answers).map(gap).collect());
+    SceneRequest { id: Some(id), clearance, ..pillars(12) }
+}
+
+/// The same among many more: it is never answered at once.
+fn slow(id: u64) -> SceneRequest {
+    let clearance = ClearanceWish::Gap(Gap::Uniform(0.1));
+    SceneRequest { id: Some(id), clearance, ..pillars(50) }
+}
+
+/// A robot on its way through a square of pillars.
+fn pillars(side: u32) -> SceneRequest {
+    let mut solids = Vec::new();
+    for row in 0..side {
+        for column in 0..side {
+            let (x, y) = (3.0 * f64::from(column) + 2.0, 3.0 * f64::from(row) + 2.0);
+            let at = x + 0.125 * f64::from((3 * row + column) % 5);
+            let (max_x, max_y) = (at + 1.0, y + 1.0);
+            solids.push(format!(r#"{{"box": {{"min": [{at}, {y}], "max": [{max_x}, {max_y}]}}}}"#));
+        }
+    }
+    let (solids, extent) = (solids.join(", "), 3 * side + 4);
+    let goal = extent - 1;
+    let scene = format!(
+        r#"{{ "task": "drive",
+              "free_space": {{ "solids": [{solids}],
+                               "bounds": {{ "min": [0, 0], "max": [{extent}, {extent}] }} }},
+              "body": {{ "footprint": {{ "width": 0.5, "length": 0.75 }} }},
+              "start": {{ "position": [1, 1], "heading": 0 }},
+              "goal": {{ "position": [{goal}, {goal}] }}, "clearance": "safest",
+              "sampling": {{ "count": 2 }} }}"#
+    );
+    read_scene(&scene).unwrap()
+}
+
+/// Minutes.
+fn endless(id: u64) -> SceneRequest {
+    let gap = |index| Choice::Gap(Gap::Uniform(0.1 + 1e-6 * f64::from(index)));
+    let clearance = ClearanceWish::Each((0..ENDLESS).map(gap).collect());
+    SceneRequest { id: Some(id), clearance, ..pillars(50) }
+}
+
+const ENDLESS: u32 = 9_999;
+
+fn planner(test: &TestDomain, settings: &str) -> Process {
+    // Some clients here take nothing of their replies.
+    test.write("planner.toml", &format!("patience = 60\n{settings}"));
+    test.planner(&["--config", "planner.toml"])
+}
+
+fn client(test: &TestDomain) -> Client {
+    Client::connect(&test.domain(), Wait::Hybrid).unwrap()
+}
+
+/// What a scene is answered without a bus.
+fn expected(key: RequestKey, scene: &SceneRequest) -> Reply {
+    let content = RequestContent::Scene(scene.clone());
+    answer::reply_to(&Request { key, sent_ns: 0, content }, &answer::Caps::default())
+}
+
+/// Waits until the first part of a reply is there: the request is being planned.
+fn wait_until_begun(pending: &mut Pending<'_>) {
+    pending.wait_part(Instant::now() + LONG).unwrap();
+}
+
+fn code(reply: &Reply) -> Option<ErrorCode> {
+    reply.answers.as_ref().err().map(|refusal| refusal.code)
+}
+
+#[test]
+fn long_requests_do_not_hold_up_short_ones() {
+    for workers in [1, 2] {
+        let test = TestDomain::new();
+        let _planner = planner(&test, &format!("workers = {workers}"));
+        let clients = [(); 3].map(|()| client(&test));
+        let mut hogs: Vec<_> =
+            clients.iter().map(|client| client.send(&endless(1)).unwrap()).collect();
+        hogs.iter_mut().for_each(wait_until_begun);
+        let quick = client(&test);
+        let mut times: Vec<_> = (0..200)
+            .map(|id| {
+                let begun = Instant::now();
+                let reply = quick.call(&short(id), LONG).unwrap();
+                assert!(reply == expected(reply.key, &short(id)));
+                begun.elapsed()
+            })
+            .collect();
+        times.sort_unstable();
+        println!("{workers} workers: median {:?}, most {:?}", times[100], times[199]);
+        // Neither short ones nor those of some milliseconds wait for the end of long ones.
+        let middling = long(7, 3);
+        let reply = quick.call(&middling, LONG).unwrap();
+        assert!(reply == expected(reply.key, &middling));
+    }
+}
+
+/// Replies are the same bits whoever plans them.
+#[test]
+fn replies_do_not_depend_on_the_number_of_workers() {
+    let scenes: Vec<_> = (0..6).map(|id| long(id, 2 + id as u32)).collect();
+    let replies: Vec<Vec<Reply>> = [1, 4]
+        .map(|workers| {
+            let test = TestDomain::new();
+            let _planner = planner(&test, &format!("workers = {workers}"));
+            thread::scope(|scope| {
+                let calls: Vec<_> = scenes
+                    .iter()
+                    .map(|scene| scope.spawn(|| client(&test).call(scene, LONG).unwrap()))
+                    .collect();
+                calls.into_iter().map(|call| call.join().unwrap()).collect()
+            })
+        })
+        .into();
+    for (replies, scene) in replies.iter().flatten().zip(scenes.iter().cycle()) {
+        assert!(*replies == expected(replies.key, scene));
+    }
+}
+
+#[test]
+fn a_deadline_holds_while_planning_and_in_the_queue() {
+    let test = TestDomain::new();
+    let _planner = planner(&test, "workers = 1");
+    let late = client(&test);
+    let mut late_one = endless(1);
+    late_one.deadline = Some(0.1);
+    let begun = Instant::now();
+    let reply = late.call(&late_one, LONG).unwrap();
+    // Found answers stand, the others are refused.
+    let answers = reply.answers.unwrap();
+    assert_eq!(answers.len(), ENDLESS as usize);
+    assert_eq!(answers.last().unwrap().as_ref().unwrap_err().code, ErrorCode::DeadlineExceeded);
+    assert!(begun.elapsed() >= Duration::from_millis(100));
+
+    // All that can be in hand is, so the next waits.
+    let clients = [(); 4].map(|()| client(&test));
+    let mut hogs: Vec<_> = clients.iter().map(|client| client.send(&endless(1)).unwrap()).collect();
+    hogs.iter_mut().for_each(wait_until_begun);
+    let mut queued = slow(2);
+    queued.deadline = Some(0.05);
+    let begun = Instant::now();
+    let reply = late.call(&queued, LONG).unwrap();
+    let took = begun.elapsed();
+    assert_eq!(code(&reply), Some(ErrorCode::DeadlineExceeded), "{reply:?}");
+    println!("refused {:?} after it was sent, due after 50 ms", took);
+    assert!(took >= Duration::from_millis(50));
+}
+
+/// A request whose client has dropped it, left or died makes room for the next.
+#[test]
+fn what_nobody_waits_for_is_cancelled() {
+    let test = TestDomain::new();
+    let _planner = planner(&test, "workers = 1\nqueue = 1");
+    let clients = [(); 4].map(|()| client(&test));
+    let fill = || {
+        let mut hogs: Vec<_> =
+            clients.iter().map(|client| client.send(&endless(1)).unwrap()).collect();
+        hogs.iter_mut().for_each(wait_until_begun);
+        hogs
+    };
+    let hogs = fill();
+    let waiting = client(&test);
+    let in_line = waiting.send(&slow(2)).unwrap();
+    let another = client(&test);
+    // It waits in the queue.
+    thread::sleep(Duration::from_millis(200));
+    let overloaded = another.call(&slow(3), LONG).unwrap();
+    assert_eq!(code(&overloaded), Some(ErrorCode::Overloaded));
+    let refusal = overloaded.answers.unwrap_err();
+    assert!(refusal.message.contains("`queue`"), "{}", refusal.message);
+    assert_eq!((refusal.has, refusal.most), (Some(1.0), Some(1.0)));
+
+    // One that is dropped in the queue leaves its place to another.
+    drop(in_line);
+    let dropped = Instant::now();
+    let mut in_line = wait_for("room", || {
+        let mut pending = another.send(&slow(4)).unwrap();
+        // Refused at once, or it waits.
+        let refused = pending.wait(Instant::now() + Duration::from_millis(50));
+        refused.is_err().then_some(pending)
+    });
+    println!("room at most {:?} after a request was dropped", dropped.elapsed());
+    drop(hogs);
+    let begun = Instant::now();
+    let reply = in_line.wait(Instant::now() + LONG).unwrap();
+    assert!(reply == expected(reply.key, &slow(4)));
+    println!("answered {:?} after the others were dropped", begun.elapsed());
+}
+
+#[test]
+fn a_client_that_dies_makes_room() {
+    let test = TestDomain::new();
+    let _planner = planner(&test, "workers = 1\nqueue = 1");
+    let scene = test.write("long.json", &schemas::json::scene_to_json(&endless(1)));
+    let scene = scene.to_str().unwrap().to_owned();
+    let name = test.domain().to_string();
+    let arguments = ["--domain", name.as_str(), "--timeout", "60s", &scene];
+    let dying: Vec<_> = (0..5).map(|_| test.start("plan", &arguments, None)).collect();
+    let quick = client(&test);
+    let is_overloaded = || match quick.call(&slow(3), Duration::from_millis(300)) {
+        Ok(reply) => code(&reply) == Some(ErrorCode::Overloaded),
+        Err(CallError::TimedOut { .. }) => false,
+        Err(error) => panic!("{error}"),
+    };
+    wait_for("a full planner", || is_overloaded().then_some(()));
+    dying.into_iter().for_each(|process| drop(process.kill()));
+    let begun = Instant::now();
+    wait_for("room", || (!is_overloaded()).then_some(()));
+    println!("room {:?} after they were killed", begun.elapsed());
+}
+
+/// What is recorded is what was planned from, though the client changes it meanwhile; here, that
+/// the tap has every request and reply of many clients exactly once.
+#[test]
+fn the_tap_has_what_was_answered() {
+    let test = TestDomain::new();
+    let _planner = planner(&test, "workers = 2\ntap_buffer = 4096");
+    let mut tap = TapReader::connect(&test.domain()).unwrap();
+    let mut replies: Vec<Reply> = thread::scope(|scope| {
+        let calls: Vec<_> = (0..6)
+            .map(|id| {
+                let test = &test;
+                scope.spawn(move || {
+                    let client = client(test);
+                    let scenes = [short(id), long(id, 1 + id as u32), short(id + 10)];
+                    scenes.map(|scene| client.call(&scene, LONG).unwrap())
+                })
+            })
+            .collect();
+        calls.into_iter().flat_map(|call| call.join().unwrap()).collect()
+    });
+    let mut open = std::collections::BTreeMap::new();
+    let mut seen = Vec::new();
+    while seen.len() < replies.len() {
+        match wait_for("the tap", || tap.receive()) {
+            TapEvent::Message(TapMessage::Request(request)) => {
+                let key = (request.key.client, request.key.sequence);
+                let before = open.insert(key, schemas::message::ReplyAssembler::default());
+                assert!(before.is_none(), "twice");
+            }
+            TapEvent::Message(TapMessage::Reply(part)) => {
+                let key = (part.key.client, part.key.sequence);
+                let reply = open.get_mut(&key).expect("the request comes first").push(part);
+                seen.extend(reply.expect("parts in order, each once"));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let by_key = |reply: &Reply| (reply.key.client, reply.key.sequence);
+    seen.sort_by_key(by_key);
+    replies.sort_by_key(by_key);
+    assert!(seen == replies);
+}
+
+#[test]
+fn a_planner_that_is_asked_to_end_answers_what_it_has() {
+    let test = TestDomain::new();
+    let planner = test.planner(&["--grace", "30"]);
+    let asking = client(&test);
+    // A second or so.
+    let mut pending = asking.send(&long(1, 300)).unwrap();
+    wait_until_begun(&mut pending);
+    drop(pending);
+    let mut pending = asking.send(&long(2, 300)).unwrap();
+    thread::sleep(Duration::from_millis(20));
+    planner.signal(Signal::TERM);
+    thread::sleep(Duration::from_millis(20));
+    let other = Client::connect(&test.domain(), Wait::Hybrid);
+    if let Ok(other) = &other {
+        match other.call(&short(3), LONG) {
+            Ok(reply) => assert_eq!(code(&reply), Some(ErrorCode::Overloaded)),
+            Err(error) => assert!(matches!(error, CallError::PlannerLost), "{error}"),
+        }
+    }
+    let reply = pending.wait(Instant::now() + LONG).unwrap();
+    assert!(reply == expected(reply.key, &long(2, 300)));
+    drop(pending);
+    drop((asking, other));
+    let ended = planner.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(test.left().is_empty(), "{:?}", test.left());
+}
+
+#[test]
+fn a_planner_ends_when_its_grace_is_over() {
+    let test = TestDomain::new();
+    let planner = planner(&test, "grace = 0.2");
+    let clients = [(); 6].map(|()| client(&test));
+    let mut hogs: Vec<_> = clients.iter().map(|client| client.send(&endless(1)).unwrap()).collect();
+    wait_until_begun(&mut hogs[0]);
+    planner.signal(Signal::TERM);
+    let begun = Instant::now();
+    let ends: Vec<_> =
+        hogs.iter_mut().skip(1).map(|pending| pending.wait(Instant::now() + LONG)).collect();
+    for end in ends {
+        match end {
+            // Some answers were found, or none.
+            Ok(Reply { answers: Ok(answers), .. }) => {
+                assert_eq!(
+                    answers.last().unwrap().as_ref().unwrap_err().code,
+                    ErrorCode::Overloaded
+                );
+            }
+            Ok(Reply { answers: Err(refusal), .. }) => {
+                assert_eq!(refusal.code, ErrorCode::Overloaded);
+            }
+            Err(error) => assert!(matches!(error, CallError::PlannerLost), "{error}"),
+        }
+    }
+    drop(hogs);
+    drop(clients);
+    let ended = planner.wait();
+    println!("ended {:?} after the signal", begun.elapsed());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(test.left().is_empty(), "{:?}", test.left());
+}
