@@ -13,5 +13,6 @@ pub mod codec;
 pub mod convert;
 pub mod json;
 pub mod message;
+pub mod status;
 pub mod topic;
 pub mod wire;

@@ -9,6 +9,9 @@ pub const WAKE: &str = "clearway/wake";
 /// The event by which the planner wakes its clients of every version.
 pub const ANSWERED: &str = "clearway/answered";
 
+/// What the planner says of itself: JSON text, once a second and when it changes.
+pub const STATUS: &str = "/planner/status";
+
 /// Topic of recorded requests.
 pub const REQUEST: &str = "/planner/request";
 /// Topic of recorded reply parts.

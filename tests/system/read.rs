@@ -35,15 +35,17 @@ impl Recording {
         requests.collect()
     }
 
-    /// The replies that are whole, each put together from its parts.
+    /// The replies that are whole, each put together from its parts. The requests were made one
+    /// after another, and some parts may be lost.
     pub(crate) fn replies(&self) -> Vec<Reply> {
         let mut replies = Vec::new();
         let mut assembler = ReplyAssembler::default();
         for record in &self.records {
-            let Message::Reply(part) = &record.message else { continue };
-            if let Some(reply) = assembler.push(part.clone()).expect("parts come in order") {
-                replies.push(reply);
-                assembler = ReplyAssembler::default();
+            match &record.message {
+                Message::Request(_) => assembler = ReplyAssembler::default(),
+                Message::Reply(part) => {
+                    replies.extend(assembler.push(part.clone()).ok().flatten());
+                }
             }
         }
         replies

@@ -156,6 +156,11 @@ impl<'a> CellWriter<'a> {
         self.filled = end;
     }
 
+    /// The cells written so far.
+    pub fn written(&self) -> &[u64] {
+        &self.cells[..self.filled]
+    }
+
     /// How many cells are written.
     pub fn filled(&self) -> usize {
         self.filled

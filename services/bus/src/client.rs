@@ -30,6 +30,9 @@ use crate::wait::{self, Wait, Woken};
 type Port = iceoryx2::port::client::Client<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
 
+/// How long a planner that ends takes from its last reply to its end, mostly.
+const ENDING: Duration = Duration::from_millis(50);
+
 /// The number of first request ids that clients choose from.
 const FIRST_IDS: u64 = 1024;
 
@@ -175,11 +178,19 @@ impl Client {
 
     /// Why a reply ends before it is whole.
     fn lost(&self) -> CallError {
-        let has_ended = self.planner.borrow().as_ref().is_some_and(Process::has_ended);
-        match has_ended || self.plan.dynamic_config().number_of_servers() == 0 {
-            true => CallError::PlannerLost,
-            false => CallError::GivenUp,
+        let is_gone = || {
+            let has_ended = self.planner.borrow().as_ref().is_some_and(Process::has_ended);
+            has_ended || self.plan.dynamic_config().number_of_servers() == 0
+        };
+        // One that ends gives up what it has first.
+        let until = Instant::now() + ENDING;
+        while !is_gone() {
+            if Instant::now() >= until {
+                return CallError::GivenUp;
+            }
+            std::thread::sleep(Duration::from_millis(1));
         }
+        CallError::PlannerLost
     }
 
     fn next_key(&self) -> RequestKey {

@@ -13,11 +13,13 @@ use crate::previous::Previous;
 /// What is opened.
 pub(crate) const REQUESTS: &str = "the planner's service";
 pub(crate) const TAP: &str = "the planner's tap";
+pub(crate) const STATUS: &str = "the planner's status";
 
 /// Who takes a place, and the planner's setting for how many there are.
 pub(crate) type Place = (&'static str, &'static str);
 pub(crate) const CLIENTS: Place = ("clients", "max_clients");
 pub(crate) const RECORDERS: Place = ("recorders", "max_recorders");
+pub(crate) const WATCHERS: Place = ("readers of the status", "not a setting");
 
 pub(crate) fn full(domain: &Domain, (who, setting): Place, most: usize) -> ConnectError {
     ConnectError::Full { domain: domain.clone(), who, most, setting }

@@ -33,6 +33,7 @@ mod ports;
 mod previous;
 mod process;
 pub mod server;
+pub mod status;
 pub mod tap;
 #[cfg(test)]
 mod test_domain;
@@ -47,5 +48,6 @@ pub use log::forward_to_tracing;
 pub use options::{ReplyOptions, ServerOptions};
 pub use ports::most_memory;
 pub use server::{ClientWatch, Incoming, ReplySink, Server, Waker};
+pub use status::StatusReader;
 pub use tap::{TapEvent, TapMessage, TapReader};
 pub use wait::{Wait, Woken, terminated, termination_signal};

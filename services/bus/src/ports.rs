@@ -140,6 +140,35 @@ pub(crate) fn open_tap(node: &Node<ipc::Service>) -> Result<Tap, Cause> {
         .map_err(Cause::from)
 }
 
+pub(crate) type StatusService = publish_subscribe::PortFactory<ipc::Service, [u8], ()>;
+
+/// The longest status, bytes.
+pub(crate) const STATUS_BYTES: usize = 4096;
+
+/// Readers of the status at a time.
+pub(crate) const WATCHERS: usize = 16;
+
+pub(crate) fn create_status(node: &Node<ipc::Service>) -> Result<StatusService, Cause> {
+    node.service_builder(&name(topic::STATUS))
+        .publish_subscribe::<[u8]>()
+        .enable_safe_overflow(true)
+        .max_publishers(1)
+        .max_subscribers(WATCHERS)
+        .max_nodes(WATCHERS + 4)
+        .subscriber_max_buffer_size(1)
+        .subscriber_max_borrowed_samples(1)
+        .history_size(1)
+        .open_or_create()
+        .map_err(Cause::from)
+}
+
+pub(crate) fn open_status(node: &Node<ipc::Service>) -> Result<StatusService, Cause> {
+    node.service_builder(&name(topic::STATUS))
+        .publish_subscribe::<[u8]>()
+        .open()
+        .map_err(Cause::from)
+}
+
 /// Clients ring it, the planner listens.
 pub(crate) fn create_wake(
     node: &Node<ipc::Service>,

@@ -25,6 +25,7 @@ use crate::headers::{Current, Version};
 use crate::options::ServerOptions;
 use crate::ports::{self, PlanRequest, PlanServer};
 use crate::previous::Previous;
+use crate::status::StatusWriter;
 use crate::tap::TapWriter;
 use crate::wait::{self, Wait, Woken};
 use deaths::Deaths;
@@ -75,6 +76,7 @@ pub struct Server {
     desk: Rc<RefCell<Desk>>,
     waker: Waker,
     deaths: Deaths,
+    status: StatusWriter,
     /// Clients open it; a service without a port disappears with its last factory.
     _wake: ports::Bell,
     node: Node<ipc::Service>,
@@ -101,6 +103,7 @@ impl Server {
         const WAKE: &str = "the event that wakes the planner";
         const ANSWERED: &str = "the event that wakes clients";
         const TAP: &str = "the tap for recorders";
+        const STATUS: &str = "the planner's status";
         let current_plan =
             ports::create_plan::<Current>(&node, options).map_err(failed(REQUESTS))?;
         let previous_plan =
@@ -109,14 +112,24 @@ impl Server {
         let answered = ports::create_answered(&node, options).map_err(failed(ANSWERED))?;
         let tap = ports::create_tap(&node, options).map_err(failed(TAP))?;
 
+        let status = ports::create_status(&node).map_err(failed(STATUS))?;
+        let patience = Instant::now() + TAKE_OVER;
         let port = |error| match error {
             ServerCreateError::ExceedsMaxSupportedServers => {
                 OpenError::AnotherPlanner(domain.clone())
             }
             error => failed(REQUESTS)(error.into()),
         };
-        let current =
-            ports::create_plan_server::<Current>(&current_plan, |all| all).map_err(port)?;
+        let current = loop {
+            match ports::create_plan_server::<Current>(&current_plan, |all| all) {
+                // The one before may be dying just now.
+                Err(ServerCreateError::ExceedsMaxSupportedServers) if Instant::now() < patience => {
+                    std::thread::sleep(Duration::from_millis(5));
+                    node.try_cleanup_dead_nodes();
+                }
+                done => break done.map_err(port)?,
+            }
+        };
         let previous = ports::create_plan_server::<Previous>(&previous_plan, ports::previous_parts)
             .map_err(port)?;
         let bell = match options.wait {
@@ -142,6 +155,7 @@ impl Server {
             previous_first: false,
             bell,
             plans: (previous_plan, current_plan),
+            status: StatusWriter::create(&status).map_err(failed(STATUS))?,
             desk: Rc::new(RefCell::new(desk)),
             waker,
             deaths: Deaths::default(),
@@ -219,6 +233,13 @@ impl Server {
         previous.dynamic_config().list_clients(|client| watch(client.client_id, client.node_id));
     }
 
+    /// Publishes what the planner says of itself; whoever comes later sees the last of it.
+    pub fn publish_status(&self, text: &str) {
+        if let Err(cause) = self.status.publish(text) {
+            tracing::warn!(%cause, "can't publish the status");
+        }
+    }
+
     /// Nobody waits for a reply any more.
     pub fn watch_nobody(&mut self) {
         self.deaths.clear();
@@ -237,6 +258,9 @@ impl Server {
         wait::terminated()
     }
 }
+
+/// How long a planner that was killed counts as being there, at most.
+const TAKE_OVER: Duration = Duration::from_millis(300);
 
 /// How often a planner looks for peers that died: about 0.1 ms for each that lives.
 const SWEEP: Duration = Duration::from_secs(1);

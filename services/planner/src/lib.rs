@@ -5,7 +5,10 @@
 //! service, and logs. It does not know
 //! geometry, recordings or JSON.
 
+pub mod metrics;
 mod queue;
 pub mod service;
+mod statistics;
+pub mod supervisor;
 mod turns;
 mod workers;

@@ -1,14 +1,17 @@
 //! The planner process; see `planner --help`.
 
 use std::error::Error;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use answer::CacheStats;
 use bus::{Domain, Server};
 use clap::Parser;
 use configuration::Config;
 use planner::service::{serve, server_options};
+use planner::supervisor::supervise;
 use program::{Diagnostics, Exit};
 
 /// Plans the scenes that clients send over shared memory, until it is ended by a signal.
@@ -48,6 +51,12 @@ struct Arguments {
     /// Reads settings from a file
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    /// Serves metrics for Prometheus at http://ADDR/metrics; a port alone is on this machine only
+    #[arg(long, value_name = "ADDR", value_parser = planner::metrics::address)]
+    metrics: Option<SocketAddr>,
+    /// Serves in this process alone, without another one that starts it again if it dies
+    #[arg(long)]
+    unsupervised: bool,
     /// Plans on with what is in hand for so long when asked to end
     #[arg(long, value_name = "SECONDS")]
     grace: Option<f64>,
@@ -74,10 +83,15 @@ fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
         config.grace = grace;
         config.check(Path::new("--grace"))?;
     }
+    if !arguments.unsupervised
+        && let Some(exit) = supervise(Duration::from_secs_f64(config.grace))?
+    {
+        return Ok(exit);
+    }
     let domain = arguments.domain.unwrap_or_default();
     let mut server = Server::open(&domain, &server_options(&config))?;
     tracing::info!(%domain, wait = ?config.wait, workers = config.workers(), "ready");
-    let served = serve(&mut server, &config)?;
+    let served = serve(&mut server, &config, arguments.metrics)?;
     let CacheStats { hits, misses, bytes, .. } = served.cache;
     tracing::info!(
         requests = served.requests,

@@ -5,6 +5,7 @@
 //! parts come back here to be sent. Nothing in this thread waits for a client or for a worker.
 
 use std::collections::BTreeMap;
+use std::net::SocketAddr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,7 +17,9 @@ use schemas::convert::{CellWriter, PartSink};
 use schemas::message::{ErrorCode, Refusal};
 use schemas::wire::{ReplyHeader, RequestHeader, given};
 
+use crate::metrics::Latest;
 use crate::queue::{Job, QueueLimits, Waiting};
+use crate::statistics::{Present, Statistics};
 use crate::workers::{Outcome, Workers, internal_error};
 
 /// After this many requests without a pause the loop looks after the others in hand.
@@ -40,6 +43,10 @@ const RETRY: Duration = Duration::from_micros(500);
 /// How long workers and clients have for what is left when the grace is over.
 const LAST_WORDS: Duration = Duration::from_millis(300);
 
+/// How often the status is published, and at most while requests come.
+const EVERY: Duration = Duration::from_secs(1);
+const ON_CHANGE: Duration = Duration::from_millis(200);
+
 /// What a planner has done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Served {
@@ -57,8 +64,17 @@ pub struct Served {
 /// # Errors
 ///
 /// If the operating system starts no threads.
-pub fn serve(server: &mut Server, config: &Config) -> std::io::Result<Served> {
-    let mut service = Service::start(server, config)?;
+pub fn serve(
+    server: &mut Server,
+    config: &Config,
+    metrics: Option<SocketAddr>,
+) -> std::io::Result<Served> {
+    let metrics = metrics.map(|address| {
+        let latest = Latest::default();
+        crate::metrics::serve(address, latest.clone()).map(|()| latest)
+    });
+    let mut service = Service::start(server, config, metrics.transpose()?)?;
+    service.publish();
     while !service.step() {}
     Ok(service.end())
 }
@@ -73,7 +89,10 @@ struct Service<'a> {
     in_hand: BTreeMap<u64, InHand>,
     next_ticket: u64,
     cells: Vec<u64>,
-    served: Served,
+    statistics: Statistics,
+    /// What was last published, and when.
+    published: (u64, Instant),
+    metrics: Option<Latest>,
     /// Set once the process is asked to end.
     closing: Option<Closing>,
     looked: Instant,
@@ -91,6 +110,7 @@ struct Closing {
 #[derive(Debug)]
 struct InHand {
     incoming: Incoming,
+    taken: Instant,
     stop: Arc<StopFlag>,
     deadline: Option<Instant>,
     /// Whether it still waits for a worker.
@@ -110,7 +130,11 @@ enum AtOnce {
 }
 
 impl<'a> Service<'a> {
-    fn start(server: &'a mut Server, config: &'a Config) -> std::io::Result<Self> {
+    fn start(
+        server: &'a mut Server,
+        config: &'a Config,
+        metrics: Option<Latest>,
+    ) -> std::io::Result<Self> {
         let store = Store::new(config.cache);
         let limits = QueueLimits { requests: config.queue, bytes: config.queue_bytes };
         let planning = (config.caps, &store);
@@ -124,7 +148,9 @@ impl<'a> Service<'a> {
             in_hand: BTreeMap::new(),
             next_ticket: 0,
             cells: Vec::new(),
-            served: Served::default(),
+            statistics: Statistics::new(),
+            published: (0, Instant::now()),
+            metrics,
             closing: None,
             looked: Instant::now(),
         })
@@ -143,6 +169,7 @@ impl<'a> Service<'a> {
         if !self.in_hand.is_empty() {
             self.look_after();
         }
+        self.publish_if_due();
         if self.closing.is_none() && self.server.terminated() {
             let grace = Duration::from_secs_f64(self.config.grace);
             tracing::info!(in_hand = self.in_hand.len(), ?grace, "ending");
@@ -170,6 +197,29 @@ impl<'a> Service<'a> {
         false
     }
 
+    /// Once a second, and when something has changed.
+    fn publish_if_due(&mut self) {
+        let (requests, published) = self.published;
+        let changed = requests != self.statistics.requests || !self.in_hand.is_empty();
+        if published.elapsed() >= if changed { ON_CHANGE } else { EVERY } {
+            self.publish();
+        }
+    }
+
+    fn publish(&mut self) {
+        let status = self.statistics.status(&Present {
+            load: self.workers.load(),
+            workers: self.config.workers(),
+            queue: self.config.queue,
+            cache: self.store.cache_stats(),
+        });
+        self.server.publish_status(&status.to_json());
+        if let Some(latest) = &self.metrics {
+            latest.set(status);
+        }
+        self.published = (self.statistics.requests, Instant::now());
+    }
+
     /// When to look after what is in hand.
     fn next_look(&self) -> Instant {
         let now = Instant::now();
@@ -180,7 +230,8 @@ impl<'a> Service<'a> {
     }
 
     fn take(&mut self, mut incoming: Incoming) {
-        self.served.requests += 1;
+        self.statistics.requests += 1;
+        let taken = Instant::now();
         let header = incoming.header();
         let caps = &self.config.caps;
         // Don't even copy what is too large.
@@ -190,10 +241,10 @@ impl<'a> Service<'a> {
                 .map_err(|error| Refusal::new(ErrorCode::InvalidScene, error.to_string()))
         });
         if let Err(refusal) = readable {
-            return self.refuse(incoming, &refusal);
+            return self.refuse(incoming, taken, &refusal);
         }
         if self.closing.is_some() {
-            return self.refuse(incoming, &shutting_down());
+            return self.refuse(incoming, taken, &shutting_down());
         }
         let deadline = deadline(&header);
         let waits_in_line = self
@@ -206,8 +257,8 @@ impl<'a> Service<'a> {
             false => self.answer_at_once(&mut incoming, &header, deadline),
         };
         match answered {
-            AtOnce::HandedOver(written) => self.hand_over(incoming, header, deadline, written),
-            AtOnce::Written => self.sent(incoming),
+            AtOnce::HandedOver(written) => self.hand_over(incoming, taken, deadline, written),
+            AtOnce::Written => self.sent(incoming, taken),
             AtOnce::Failed(error) => self.undelivered(&header, &error),
         }
         self.cells.clear();
@@ -221,7 +272,7 @@ impl<'a> Service<'a> {
         header: &RequestHeader,
         deadline: Option<Instant>,
     ) -> AtOnce {
-        let Self { server, workspace, cells, in_hand, .. } = self;
+        let Self { server, workspace, cells, in_hand, statistics, .. } = self;
         let (stop, begun, alone) = (StopFlag::new(), Instant::now(), in_hand.is_empty());
         let (sink, client) = incoming.reply_to_client();
         let meanwhile = || {
@@ -235,7 +286,7 @@ impl<'a> Service<'a> {
                 stop.stop(StopReason::HandedOver);
             }
         };
-        let mut sink = Sink { sink, stop: &stop, meanwhile: &meanwhile };
+        let mut sink = Sink { sink, stop: &stop, meanwhile: &meanwhile, statistics };
         let answered = catch_unwind(AssertUnwindSafe(|| {
             workspace.answer_while(header, cells, (&stop, &meanwhile), &mut sink)
         }));
@@ -261,10 +312,11 @@ impl<'a> Service<'a> {
     fn hand_over(
         &mut self,
         incoming: Incoming,
-        header: RequestHeader,
+        taken: Instant,
         deadline: Option<Instant>,
         written: usize,
     ) {
+        let header = incoming.header();
         let ticket = self.next_ticket;
         self.next_ticket += 1;
         let stop = Arc::new(StopFlag::new());
@@ -272,11 +324,12 @@ impl<'a> Service<'a> {
         let job = Job { ticket, header, cells, stop: Arc::clone(&stop), deadline, written };
         if let Err((job, waiting)) = self.workers.add(job) {
             self.cells = job.cells;
-            return self.refuse(incoming, &self.overloaded(waiting));
+            let refusal = self.overloaded(waiting);
+            return self.refuse(incoming, taken, &refusal);
         }
         self.server.watch(&incoming);
         let request =
-            InHand { incoming, stop, deadline, waits: true, is_written: false, unsent: 0 };
+            InHand { incoming, taken, stop, deadline, waits: true, is_written: false, unsent: 0 };
         self.in_hand.insert(ticket, request);
     }
 
@@ -304,6 +357,9 @@ impl<'a> Service<'a> {
                 Outcome::Begun => request.waits = false,
                 Outcome::Part(header, cells) => {
                     request.is_written = header.last != 0;
+                    if let (1, Some(code)) = (header.kind, cells.first()) {
+                        self.statistics.count_refusal(*code);
+                    }
                     request.unsent += size_of_val(cells.as_slice());
                     if let Err(error) = request.incoming.push(*header, cells) {
                         self.give_up(told.ticket, &error);
@@ -365,7 +421,7 @@ impl<'a> Service<'a> {
             let message = "the deadline passed before planning began: the planner is busy; allow \
                            more time";
             let refusal = Refusal::new(ErrorCode::DeadlineExceeded, message);
-            self.refuse(request.incoming, &Refusal { field, ..refusal });
+            self.refuse(request.incoming, request.taken, &Refusal { field, ..refusal });
         }
     }
 
@@ -380,19 +436,20 @@ impl<'a> Service<'a> {
     fn done(&mut self, ticket: u64) {
         if let Some(request) = self.in_hand.remove(&ticket) {
             self.workers.free(request.unsent);
-            log_answered(&request.incoming);
+            self.answered(&request.incoming, request.taken);
         }
     }
 
     /// All parts of a reply are written; some may wait for their client.
-    fn sent(&mut self, incoming: Incoming) {
+    fn sent(&mut self, incoming: Incoming, taken: Instant) {
         if !incoming.is_held_up() {
-            return log_answered(&incoming);
+            return self.answered(&incoming, taken);
         }
         let ticket = self.next_ticket;
         self.next_ticket += 1;
         let request = InHand {
             incoming,
+            taken,
             stop: Arc::default(),
             deadline: None,
             waits: false,
@@ -402,16 +459,18 @@ impl<'a> Service<'a> {
         self.in_hand.insert(ticket, request);
     }
 
-    fn refuse(&mut self, mut incoming: Incoming, refusal: &Refusal) {
+    fn refuse(&mut self, mut incoming: Incoming, taken: Instant, refusal: &Refusal) {
         let header = incoming.header();
+        let code = ErrorCode::ALL.iter().position(|code| *code == refusal.code);
+        self.statistics.count_refusal(code.map_or(u64::MAX, |code| code as u64));
         match Workspace::refuse(&header, refusal, &mut incoming.reply()) {
-            Ok(()) => self.sent(incoming),
+            Ok(()) => self.sent(incoming, taken),
             Err(error) => self.undelivered(&header, &error),
         }
     }
 
     fn undelivered(&mut self, header: &RequestHeader, error: &ReplyError) {
-        self.served.undelivered += 1;
+        self.statistics.undelivered += 1;
         let RequestHeader { client, sequence, .. } = header;
         tracing::warn!(client, sequence, %error, "the client did not take its reply");
     }
@@ -423,15 +482,23 @@ impl<'a> Service<'a> {
             let stop = Arc::clone(&self.in_hand[&ticket].stop);
             let waited = self.workers.stop(ticket, &stop, StopReason::Shutdown);
             if let (Some(_), Some(request)) = (waited, self.in_hand.remove(&ticket)) {
-                self.refuse(request.incoming, &shutting_down());
+                self.refuse(request.incoming, request.taken, &shutting_down());
             }
         }
     }
 
     /// Says what was done.
     fn end(self) -> Served {
-        let undelivered = self.served.undelivered + self.in_hand.len() as u64;
-        Served { undelivered, cache: self.store.cache_stats(), ..self.served }
+        let undelivered = self.statistics.undelivered + self.in_hand.len() as u64;
+        let requests = self.statistics.requests;
+        Served { requests, undelivered, cache: self.store.cache_stats() }
+    }
+
+    fn answered(&mut self, incoming: &Incoming, taken: Instant) {
+        let took = taken.elapsed();
+        self.statistics.count_answered(took);
+        let RequestHeader { client, sequence, .. } = incoming.header();
+        tracing::debug!(client, sequence, ?took, "answered");
     }
 }
 
@@ -448,6 +515,7 @@ struct Sink<'a, F> {
     sink: ReplySink<'a>,
     stop: &'a StopFlag,
     meanwhile: &'a F,
+    statistics: &'a mut Statistics,
 }
 
 enum Ended {
@@ -471,13 +539,16 @@ impl<F: Fn()> PartSink for Sink<'_, F> {
         if self.stop.reason() == Some(StopReason::HandedOver) {
             return Err(Ended::HandedOver);
         }
-        self.sink.part(header, cells, fill).map_err(Ended::Failed)
+        let mut refusal = None;
+        let sent = self.sink.part(header, cells, |writer| {
+            fill(writer);
+            refusal = (header.kind == 1).then(|| writer.written().first().copied()).flatten();
+        });
+        if let Some(code) = refusal {
+            self.statistics.count_refusal(code);
+        }
+        sent.map_err(Ended::Failed)
     }
-}
-
-fn log_answered(incoming: &Incoming) {
-    let RequestHeader { client, sequence, .. } = incoming.header();
-    tracing::debug!(client, sequence, "answered");
 }
 
 fn shutting_down() -> Refusal {

@@ -63,7 +63,7 @@ impl Role {
 fn serve(domain: &Domain) -> Result<Exit, Error> {
     let config = Config::default();
     let mut server = Server::open(domain, &planner::service::server_options(&config))?;
-    planner::service::serve(&mut server, &config)?;
+    planner::service::serve(&mut server, &config, None)?;
     Ok(Exit::Done)
 }
 
