@@ -29,6 +29,7 @@ mod lattice;
 mod legs;
 mod measure;
 mod planner;
+mod pockets;
 mod queue;
 mod refusal;
 mod safest;

@@ -1,7 +1,8 @@
 //! Free arcs about corners, kept from one search to the next.
 
 use super::disc::FreeArc;
-use crate::free_space::floor::NONE;
+use super::pockets::Pockets;
+use crate::free_space::floor::{Floor, NONE};
 
 /// Arcs are kept for so many radii: those used last.
 const MOST_RADII: usize = 8;
@@ -16,6 +17,8 @@ pub(super) struct ArcMemo {
     search: u32,
     at: Vec<CornerArcs>,
     arcs: Vec<FreeArc>,
+    /// Pockets for the radius, once a search has asked for them.
+    pockets: Option<Pockets>,
 }
 
 /// Where the arcs of a vertex are.
@@ -46,10 +49,23 @@ impl ArcMemo {
         self.search = self.search.wrapping_add(1);
         if self.radius.is_none() || self.at.len() != vertices || self.search == 0 {
             self.search = 1;
+            self.pockets = None;
             self.arcs.clear();
             self.at.clear();
             self.at.resize(vertices, Self::UNKNOWN);
         }
+    }
+
+    /// The pockets for its radius, which is that of a disc of this width; `None` for the last
+    /// search alone.
+    pub(super) fn pockets(&mut self, floor: &Floor, width: f64) -> Option<&mut Pockets> {
+        self.radius?;
+        Some(self.pockets.get_or_insert_with(|| Pockets::find(floor, width)))
+    }
+
+    /// The pockets that were asked for.
+    pub(super) fn known_pockets(&self) -> Option<&Pockets> {
+        self.pockets.as_ref()
     }
 
     /// What is known about a vertex; a search pays for its arcs once.
@@ -82,7 +98,9 @@ impl ArcMemo {
     }
 
     fn bytes(&self) -> usize {
-        self.at.capacity() * size_of::<CornerArcs>() + self.arcs.capacity() * size_of::<FreeArc>()
+        self.at.capacity() * size_of::<CornerArcs>()
+            + self.arcs.capacity() * size_of::<FreeArc>()
+            + self.pockets.as_ref().map_or(0, Pockets::bytes)
     }
 }
 
@@ -103,6 +121,7 @@ impl ArcMemos {
         let memo = &mut self.0[0];
         if known.is_none() {
             memo.at.clear();
+            memo.pockets = None;
             memo.radius = radius;
         }
         memo.begin(vertices);

@@ -17,6 +17,8 @@ pub(super) struct Sight {
     /// An end of the first junction on the way that is too narrow for the disc; `NONE` if there
     /// is none.
     pub(super) narrow: u32,
+    /// The gate of the pocket that the face is in; `NONE` if it is in none, or in one unknown.
+    pub(super) gate: u32,
 }
 
 impl Sight {
@@ -31,7 +33,7 @@ impl Sight {
             let [right, left] = [edge, (edge + 1) % 3].map(|at| face.vertices[at]);
             let is_seen = side_of_line(&floor.vertex(right), &floor.vertex(left), point);
             let beyond = face.beyond(edge).filter(|_| is_seen == Side::Left)?;
-            Self::through(floor, index, beyond, ([right, left], NONE))
+            Self::through(floor, index, beyond, ([right, left], [NONE; 2]))
         })
     }
 
@@ -39,10 +41,10 @@ impl Sight {
         floor: &Floor,
         from: u32,
         into: u32,
-        (bounds, narrow): ([u32; 2], u32),
+        (bounds, [narrow, gate]): ([u32; 2], [u32; 2]),
     ) -> Option<Self> {
         let edge = floor.face(into).edge_to(from)?;
-        Some(Self { face: into, edge: edge as u8, bounds, narrow })
+        Some(Self { face: into, edge: edge as u8, bounds, narrow, gate })
     }
 
     /// The ends of the junction on the right and on the left.
@@ -72,8 +74,9 @@ impl Sight {
         let of_right = floor.side(from, right, apex);
         let of_left = floor.side(from, left, apex);
         let beyond = |edge: usize, bounds: [u32; 2]| {
+            let behind = [self.narrow, self.gate];
             face.beyond(edge)
-                .and_then(|into| Self::through(floor, self.face, into, (bounds, self.narrow)))
+                .and_then(|into| Self::through(floor, self.face, into, (bounds, behind)))
         };
         let through_right = (of_right == Side::Left)
             .then(|| [right, if of_left == Side::Right { apex } else { left }])

@@ -13,23 +13,25 @@
 use std::collections::BinaryHeap;
 
 use super::arc_memo::{ArcMemos, KnownArcs};
-use super::disc::{Disc, FreeArc, distance_to, turned};
+use super::disc::{Disc, FreeArc, turned};
 use super::queue::Queued;
-use super::sight::{Sight, way_through};
+use super::sight::Sight;
 use crate::budget::{Budget, Cap, Held, Spent};
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::floor::{Floor, NONE, Reflex};
-use crate::free_space::walls::Wall;
-use crate::geometry::distance::cross;
 use crate::geometry::{Vector, rotated, unit};
 use path::{STRAIGHT, at_rest, contact_normal, is_behind};
 
 mod path;
+mod reach;
 
 pub(super) use path::{TautPath, TautTurn, TurnRadii};
 
 /// Steps of the budget that looking through a junction takes.
 const STEPS_PER_SIGHT: u64 = 15;
+
+/// After so many turns pockets are looked for: most searches end before.
+const TURNS_BEFORE_POCKETS: u32 = 24;
 
 /// So many junctions in a row may be looked through without a look at how far they are.
 const MOST_UNMEASURED: u32 = 8;
@@ -94,8 +96,16 @@ pub(super) struct TautSearch {
     /// Vertices with roots, to be reset.
     touched: Vec<u32>,
     goal_faces: Vec<u32>,
+    /// Faces at the start and at the goal.
+    end_faces: Vec<u32>,
+    /// How far beyond the gates of pockets there may be something to turn about, metres; `None`
+    /// where pockets are not looked for.
+    beyond_gates: Option<f64>,
     arcs: ArcMemos,
     own_arcs: OwnArcs,
+    /// After how many turns pockets are looked for, if not after the usual number.
+    #[cfg(test)]
+    pub(super) turns_before_pockets: Option<u32>,
 }
 
 /// Free arcs about corners with radii of their own, for one search.
@@ -115,7 +125,8 @@ impl TautSearch {
             + self.finishes.capacity() * size_of::<(Tangent, f64)>()
             + self.roots.capacity() * size_of::<TurnRoot>()
             + self.arcs.bytes()
-            + (self.last_root.capacity() + self.touched.capacity()) * size_of::<u32>()
+            + (self.last_root.capacity() + self.touched.capacity() + self.end_faces.capacity())
+                * size_of::<u32>()
     }
 
     /// The shortest path of a disc from its start to its goal that turns about corners with these
@@ -149,6 +160,7 @@ impl TautSearch {
         self.steps.clear();
         self.turns.clear();
         self.finishes.clear();
+        self.beyond_gates = None;
         self.own_arcs.at.clear();
         self.own_arcs.arcs.clear();
         for vertex in self.touched.drain(..) {
@@ -195,6 +207,9 @@ impl Run<'_> {
         let mut held = Held::new(budget, 0)?;
         self.search.goal_faces = floor.faces_around(&disc.goal, budget)?;
         let faces = floor.faces_around(&disc.start, budget)?;
+        let search = &mut *self.search;
+        search.end_faces.clear();
+        search.end_faces.extend(search.goal_faces.iter().chain(&faces));
         self.search.roots.push(TurnRoot {
             vertex: NONE,
             circle: Circle { center: disc.start, signed_radius: 0.0 },
@@ -262,10 +277,12 @@ impl Run<'_> {
             if sees_apex && self.is_within_reach(&sight, &floor.vertex(sight.apex(face))) {
                 self.offer_turns(root, sight.apex(face))?;
             }
+            let further = self.note_gates(further);
             // Through the only junction seen, without a look at how far it is.
             if let [Some(only), None] | [None, Some(only)] = further
                 && unmeasured < MOST_UNMEASURED
                 && sight.narrow == NONE
+                && only.gate == NONE
             {
                 let mut next = only;
                 self.note_narrow(root, &mut next);
@@ -345,6 +362,12 @@ impl Run<'_> {
             search.touched.push(vertex);
         }
         search.last_root[slot] = index;
+        let before_pockets = TURNS_BEFORE_POCKETS;
+        #[cfg(test)]
+        let before_pockets = search.turns_before_pockets.unwrap_or(before_pockets);
+        if index == before_pockets {
+            self.find_pockets()?;
+        }
         self.look_around(index, corner, budget)
     }
 
@@ -362,15 +385,20 @@ impl Run<'_> {
             budget.step(STEPS_PER_SIGHT)?;
             let face = floor.face(index);
             let Some(at) = face.index_of(vertex) else { return Ok(()) };
-            if index == corner.first {
-                self.offer_turns(root, face.vertices[(at + 1) % 3])?;
+            let gate = self.gate_of(index)?;
+            let [right, left] = [1, 2].map(|turn| face.vertices[(at + turn) % 3]);
+            if index == corner.first && self.is_near_gate(gate, &floor.vertex(right)) {
+                self.offer_turns(root, right)?;
             }
-            self.offer_turns(root, face.vertices[(at + 2) % 3])?;
+            if self.is_near_gate(gate, &floor.vertex(left)) {
+                self.offer_turns(root, left)?;
+            }
             if self.search.goal_faces.contains(&index) {
                 self.offer_goal(root);
             }
             for sight in Sight::from_face(floor, &circle.center, face, index) {
-                self.offer_sight(root, sight);
+                let [beyond, _] = self.note_gates([Some(Sight { gate, ..sight }), None]);
+                self.offer_sight(root, beyond.unwrap_or(sight));
             }
             match face.beyond((at + 2) % 3) {
                 Some(next) if next != corner.first => index = next,
@@ -500,71 +528,6 @@ impl Run<'_> {
         if let Some(least) = self.least(root, &mut sight) {
             self.push(least, root, Step::Look(sight));
         }
-    }
-
-    /// Whether a line that touches a vertex can be meant: beyond a junction too narrow for the
-    /// disc, only where the disc touches it before the junction.
-    fn is_within_reach(&self, sight: &Sight, point: &Vector<2>) -> bool {
-        sight.narrow == NONE
-            || (self.floor.vertex(sight.narrow) - point).norm() <= 5.0 * self.disc.radius
-    }
-
-    /// Notes that a junction is too narrow for the disc, unless the root is beside it.
-    fn note_narrow(&self, root: u32, sight: &mut Sight) {
-        let most = self.disc.radius;
-        let ends = sight.ends(self.floor.face(sight.face));
-        let [right, left] = ends.map(|end| self.floor.vertex(end));
-        let width = (left - right).norm_squared();
-        if width < 4.0 * most * most
-            && width.sqrt()
-                < self.disc.radius_at(&right) + self.disc.radius_at(&left)
-                    - 2.0 * self.disc.rounding
-            && distance_to(
-                &Wall { from: right, to: left },
-                &self.search.roots[root as usize].circle.center,
-            ) >= 3.0 * most
-        {
-            sight.narrow = ends[0];
-        }
-    }
-
-    /// No path from a root on through what is seen is shorter; `None` if none leads there.
-    fn least(&self, index: u32, sight: &mut Sight) -> Option<f64> {
-        let root = &self.search.roots[index as usize];
-        let center = root.circle.center;
-        let window = sight.window(self.floor, &center);
-        let most = self.disc.radius;
-        if sight.narrow == NONE {
-            self.note_narrow(index, sight);
-        } else {
-            let near = self.floor.vertex(sight.narrow);
-            if distance_to(&Wall { from: window[0], to: window[1] }, &near) > 5.0 * most {
-                return None;
-            }
-        }
-        let own = root.circle.signed_radius;
-        if root.vertex != NONE {
-            // A line to the other side of a circle leads at most two radii to the side.
-            let sense = own.signum();
-            let left = |direction: &Vector<2>, point: &Vector<2>| {
-                sense * cross(direction, &(point - center))
-            };
-            let first = &root.arrival.direction;
-            if window.iter().all(|point| left(first, point) < -2.0 * most) {
-                return None;
-            }
-            let last = &root.last_direction;
-            if window.iter().all(|point| left(last, point) > 0.0 && left(first, point) >= 0.0) {
-                return None;
-            }
-        }
-        let goal = &self.disc.goal;
-        // The line goes from circle to circle, not from centre to centre: at the same part of
-        // both, it is up to a radius beside the window, at a right angle, and it is shorter by at
-        // most both radii if it leads to the other side.
-        let shorter = 2.0 * most + own.abs();
-        let way = way_through(&center, &window, goal) - shorter;
-        Some(root.length + way.max(root.to_goal))
     }
 
     fn push(&mut self, least: f64, root: u32, step: Step) {

@@ -143,6 +143,10 @@ impl Floor {
         self.vertices.len()
     }
 
+    pub(crate) fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
     pub(crate) fn face(&self, index: u32) -> &Face {
         &self.faces[index as usize]
     }

@@ -43,6 +43,11 @@ impl TurnRadii<'_> {
     /// Those of the disc.
     pub(in crate::any_angle) const DISC: Self = Self { least: 0.0, own: &[] };
 
+    /// The largest of those that are not the disc's, metres.
+    pub(super) fn most(&self) -> f64 {
+        self.own.iter().map(|(_, radius)| *radius).fold(self.least, f64::max)
+    }
+
     /// The radius of its own that a vertex has, metres.
     pub(super) fn own_at(&self, vertex: u32) -> Option<f64> {
         self.own.iter().find(|(other, _)| *other == vertex).map(|(_, radius)| *radius)

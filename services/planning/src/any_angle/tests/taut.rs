@@ -11,7 +11,7 @@ use crate::budget::Budget;
 use crate::driving::tangent::{Circle, Tangent, tangent};
 use crate::free_space::walls::Walls;
 use crate::geometry::distance::distance_segment_segment;
-use crate::geometry::{Vector, unit};
+use crate::geometry::{AxisBox, Vector, unit};
 
 /// The least length of a path of a disc, by Dijkstra's search over all tangents of all circles
 /// about all ends of walls, each checked against all walls.
@@ -159,4 +159,74 @@ proptest! {
             _ => prop_assert!(false, "{plain:?} {placed:?}"),
         }
     }
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    /// From 0 to 1.
+    fn part(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ mixed >> 31) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, most: f64) -> f64 {
+        (self.part() * most).floor()
+    }
+}
+
+/// A square of `side` cells with random blocks two cells wide, and two places in it where a disc
+/// of this radius is free.
+fn blocks(side: f64, radius: f64, random: &mut Random) -> Option<(Walls<2>, [Vector<2>; 2])> {
+    let mut walls = Walls::default();
+    let mut push = |x: f64, y: f64, size: f64| {
+        let (min, max) = (Vector::from([x, y]), Vector::from([x + size, y + size]));
+        walls.push_box(&AxisBox::new(min, max).expect("a box"));
+    };
+    push(0.0, 0.0, side);
+    for _ in 0..4 + random.below(side * side / 9.0) as usize {
+        push(random.below(side - 1.0), random.below(side - 1.0), 2.0);
+    }
+    walls.index(&Budget::default()).expect("no limits");
+    let mut place = || {
+        let at = Vector::from([random.part(), random.part()]) * side;
+        let is_inside = walls.as_slice().chunks(4).skip(1).any(|block| {
+            let [low, high] = [block[0].from, block[0].from.add_scalar(2.0)];
+            low.x < at.x && at.x < high.x && low.y < at.y && at.y < high.y
+        });
+        let is_free = walls.as_slice().iter().all(|wall| distance_to(wall, &at) > radius);
+        (is_free && !is_inside).then_some(at)
+    };
+    let ends = [place()?, place()?];
+    Some((walls, ends))
+}
+
+#[test]
+fn pockets_hide_no_path() {
+    let mut random = Random(7);
+    let (mut with, mut without) = (TautSearch::default(), TautSearch::default());
+    with.turns_before_pockets = Some(1);
+    without.turns_before_pockets = Some(u32::MAX);
+    let (mut found, mut turns) = (0, 0);
+    for _ in 0..4_000 {
+        let radius = random.part() * 0.9 + 0.1;
+        let Some((walls, ends)) = blocks(12.0 + random.below(28.0), radius, &mut random) else {
+            continue;
+        };
+        let budget = Budget::default();
+        let floor = floor(&walls);
+        let disc = Disc::new(radius, ends, (&walls, floor.rounding()), &budget).unwrap();
+        let [one, other] = [&mut with, &mut without].map(|search| {
+            search.forget();
+            search.find(&floor, &disc, TurnRadii::DISC, &budget).unwrap()
+        });
+        let length = |path: &Option<TautPath>| path.as_ref().map(|path| path.length);
+        assert_eq!(length(&one), length(&other), "{ends:?}, {radius} m");
+        found += usize::from(one.is_some());
+        turns += one.map_or(0, |path| path.turns.len());
+    }
+    assert!(found > 300 && turns > 1_000, "{found} paths with {turns} turns");
 }
