@@ -20,7 +20,7 @@ pub fn drive(
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
     check_ends(errand, budget)?;
-    budget.keeping_back(KEPT_BACK, || match wish {
+    let searched = budget.keeping_back(KEPT_BACK, || match wish {
         Wish::Gap(gap) => {
             let target = Target { gap, least: None, last: LastRung::Lattice };
             shortest(errand, target, planner, found, budget)
@@ -44,7 +44,9 @@ pub fn drive(
             }
         }
         Wish::Safest => safest::safest(errand, planner, found, budget),
-    })?;
+    });
+    planner.lattice.end(budget);
+    searched?;
     Ok(bound::certify(errand, planner, found, budget)?)
 }
 

@@ -36,6 +36,9 @@ pub(super) enum LastRung {
     Lattice,
 }
 
+/// Parts of the gap that are tried where nothing is found with all of it, nor by a search.
+const LESS_GAP: [f64; 5] = [0.5, 0.25, 0.125, 1.0 / 32.0, 1.0 / 128.0];
+
 /// What a motion must keep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
@@ -90,9 +93,21 @@ pub(super) fn shortest(
             best.offer(errand, found);
         }
     }
+    let searched = target.last == LastRung::Lattice;
+    if searched && best.motion.is_none() && target.least.is_none() {
+        for part in LESS_GAP {
+            let gap = part * target.gap;
+            let other = one_way(errand, Target { gap, ..target }, planner, found, budget);
+            if best.takes(other)?.is_some() {
+                best.offer(errand, found);
+                // What is known bounds motions that keep the whole gap.
+                best.taut_length = None;
+                break;
+            }
+        }
+    }
     match blocked {
         Some((wall, turning)) if best.motion.is_none() => {
-            let searched = target.last == LastRung::Lattice;
             let resolution = planner.lattice.resolution().filter(|_| searched);
             let reverse_helps = !errand.abilities.reverse
                 && searched

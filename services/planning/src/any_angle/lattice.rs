@@ -2,8 +2,8 @@
 //!
 //! [`aligned`] joins places where the robot can turn by straight lines, above all those through
 //! narrow passages. [`search`] knows poses in narrow places too, and arcs. It is complete at its
-//! [`Resolution`]. What they find is shortened. Both work in the frame of the start pose, so that a
-//! scene that is moved or turned has the same answer.
+//! [`Resolution`]. What they find is shortened. Both work in the [scene's own frame](OwnScene), so
+//! that a scene that is moved, turned or in another unit has the same answer.
 
 use super::Errand;
 use crate::budget::{Budget, Held, Spent};
@@ -14,6 +14,7 @@ use field::Field;
 use headings::Headings;
 use passage::GateAxis;
 use probe::Probe;
+use scene::OwnScene;
 use steer::Steering;
 use way::Way;
 
@@ -23,6 +24,7 @@ mod field;
 mod headings;
 mod passage;
 mod probe;
+mod scene;
 mod shorten;
 mod smooth;
 mod steer;
@@ -97,9 +99,18 @@ pub(super) struct LatticeMemory {
     search: explore::PoseMemory,
     car: car::ArcMemory,
     resolution: Option<Resolution>,
+    /// The scene as searches see it, once there has been one.
+    scene: Option<OwnScene>,
 }
 
 impl LatticeMemory {
+    /// Ends with a scene: the next search is in another.
+    pub(super) fn end(&mut self, budget: &Budget<'_>) {
+        if let Some(scene) = self.scene.take() {
+            scene.release(budget);
+        }
+    }
+
     /// The memory that it holds, bytes.
     pub(super) fn bytes(&self) -> usize {
         self.field.bytes()
@@ -125,9 +136,7 @@ pub(super) fn aligned(
     if !errand.abilities.turn_in_place {
         return Ok(None);
     }
-    let probe = Probe::new(errand, kept, budget)?;
-    let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
-    straight(&probe, COARSE, memory)
+    in_own_scene((errand, kept), memory, budget, |probes, memory| straight(probes, COARSE, memory))
 }
 
 /// The search over poses. The curves lead from the start to the goal; `None` if there are none at
@@ -138,15 +147,55 @@ pub(super) fn search(
     memory: &mut LatticeMemory,
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    let probe = Probe::new(errand, kept, budget)?;
-    let Some(_held) = lay_out(&probe, memory)? else { return Ok(None) };
-    if errand.abilities.turn_in_place {
-        let found = straight(&probe, FINE, memory)?;
-        if found.is_some() {
-            return Ok(found);
+    in_own_scene((errand, kept), memory, budget, |probes, memory| {
+        if errand.abilities.turn_in_place {
+            let found = straight(probes, FINE, memory)?;
+            if found.is_some() {
+                return Ok(found);
+            }
         }
+        steered(probes, memory)
+    })
+}
+
+/// What searches ask, in the scene's own frame, and in the scene as it is.
+struct Probes<'a> {
+    own: Probe<'a>,
+    exact: Probe<'a>,
+}
+
+/// Lays out a search in the scene's own frame, and runs it if there is a way for a disc.
+fn in_own_scene(
+    (errand, kept): (&Errand<'_>, Kept),
+    memory: &mut LatticeMemory,
+    budget: &Budget<'_>,
+    run: impl FnOnce(&Probes<'_>, &mut LatticeMemory) -> Result<Option<Vec<Curve<2>>>, Spent>,
+) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    memory.resolution = None;
+    let scene = match memory.scene.take() {
+        Some(scene) => scene,
+        None => match OwnScene::of(errand, budget)? {
+            Some(scene) => scene,
+            None => return Ok(None),
+        },
+    };
+    let found = (|| {
+        let own = scene.errand(errand);
+        let probes = Probes {
+            own: Probe::own((errand, kept), (&own, &scene), budget)?,
+            exact: Probe::new(errand, kept, budget)?,
+        };
+        let Some(_held) = lay_out(&probes.own, memory)? else { return Ok(None) };
+        run(&probes, memory)
+    })();
+    if let Some(resolution) = &mut memory.resolution {
+        resolution.step *= scene.length;
     }
-    steered(&probe, memory)
+    memory.scene = Some(scene);
+    if found.is_err() {
+        memory.end(budget);
+    }
+    found
 }
 
 /// A motion of straight legs, led farther from the walls: the free clearance is as large as it can
@@ -168,7 +217,6 @@ pub(super) fn widened(
 
 /// The way for a disc, and the narrow passages; `None` if there is no way for a disc.
 fn lay_out<'a>(probe: &Probe<'a>, memory: &mut LatticeMemory) -> Result<Option<Held<'a>>, Spent> {
-    memory.resolution = None;
     let held = memory.field.build(probe)?;
     if held.is_some() {
         passage::find(probe, &memory.field, &mut memory.axes)?;
@@ -177,7 +225,7 @@ fn lay_out<'a>(probe: &Probe<'a>, memory: &mut LatticeMemory) -> Result<Option<H
 }
 
 fn straight(
-    probe: &Probe<'_>,
+    Probes { own: probe, exact }: &Probes<'_>,
     level: Level,
     memory: &mut LatticeMemory,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
@@ -191,40 +239,48 @@ fn straight(
     let Some(mut way) = explore::explore(probe, (field, headings, axes), manner, search)? else {
         return Ok(None);
     };
-    finish(&mut way, probe)
+    if !way.check(probe)? {
+        return Ok(None);
+    }
+    let found = way.clone();
+    shorten::shorten(&mut way, probe)?;
+    // As it was found, if rounding does not let it be shortened.
+    for way in [way, found] {
+        let curves = way.brought_back(probe, exact).curves(exact)?;
+        if curves.is_some() {
+            return Ok(curves);
+        }
+    }
+    Ok(None)
 }
 
-fn steered(probe: &Probe<'_>, memory: &mut LatticeMemory) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    let Errand { footprint, abilities, costs, .. } = probe.errand;
-    let radius = abilities.min_turn_radius.max(LEAST_RADIUS * footprint.width());
-    let turn = abilities.turn_in_place.then_some(costs.turn);
-    let steering = Steering { radius, reverse: abilities.reverse, stop: costs.stop, turn };
+fn steered(
+    Probes { own: probe, exact }: &Probes<'_>,
+    memory: &mut LatticeMemory,
+) -> Result<Option<Vec<Curve<2>>>, Spent> {
+    let [steering, exactly] = [probe, exact].map(|probe| {
+        let Errand { footprint, abilities, costs, .. } = probe.errand;
+        let radius = abilities.min_turn_radius.max(LEAST_RADIUS * footprint.width());
+        let turn = abilities.turn_in_place.then_some(costs.turn);
+        Steering { radius, reverse: abilities.reverse, stop: costs.stop, turn }
+    });
     for bin in BINS {
-        let step = bin * footprint.width();
+        let step = bin * probe.errand.footprint.width();
         memory.resolution = Some(Resolution { step, headings: usize::from(car::HEADINGS) });
         let manner = car::ArcManner { steering: &steering, bin: step, most_steps: MOST_STEPS };
         let found = car::explore(probe, &mut memory.field, manner, &mut memory.car)?;
         let Some(mut track) = found else { continue };
         let rough = track.clone();
         smooth::smooth(&mut track, &steering, probe)?;
-        let curves = smooth::curves(&track, &steering, probe)?;
-        return match curves {
-            Some(curves) => Ok(Some(curves)),
-            None => smooth::curves(&rough, &steering, probe),
-        };
-    }
-    Ok(None)
-}
-
-/// The curves of a way, shortened if rounding lets it.
-fn finish(way: &mut Way, probe: &Probe<'_>) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    if !way.check(probe)? {
+        for track in [track, rough] {
+            let track = smooth::brought_back(&track, (&steering, &exactly), probe, exact)?;
+            let Some(track) = track else { continue };
+            let curves = smooth::curves(&track, &exactly, exact)?;
+            if curves.is_some() {
+                return Ok(curves);
+            }
+        }
         return Ok(None);
     }
-    let found = way.clone();
-    shorten::shorten(way, probe)?;
-    match way.curves(probe)? {
-        Some(curves) => Ok(Some(curves)),
-        None => found.curves(probe),
-    }
+    Ok(None)
 }

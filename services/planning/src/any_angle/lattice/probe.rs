@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Kept;
+use super::scene::OwnScene;
 use crate::any_angle::Errand;
 use crate::any_angle::disc::distance_to;
 use crate::budget::{Budget, Spent};
@@ -32,6 +33,10 @@ pub(super) struct Probe<'a> {
     is_docked: bool,
     /// How far computed positions may be off, metres.
     rounding: f64,
+    /// The unit of length, metres.
+    pub(super) unit: f64,
+    /// The errand in metres, and what it keeps there, if the unit is another.
+    exact: Option<(&'a Errand<'a>, f64)>,
     /// A circle of this radius about the reference point is free: so is every heading, metres.
     pub(super) swing: f64,
     /// The reference point is nowhere nearer to a wall, metres.
@@ -54,7 +59,7 @@ impl<'a> Probe<'a> {
     ) -> Result<Self, Spent> {
         let Errand { footprint, start, goal, walls, .. } = errand;
         let Kept { least, as_at_ends, most_length } = kept;
-        let rounding = position_rounding(&start.position, &goal.position);
+        let rounding = rounding_of(errand);
         let needs = least.max(CONTACT) + 2.0 * rounding;
         let axis = unit(start.heading);
         let half = footprint.width() / 2.0;
@@ -73,6 +78,8 @@ impl<'a> Probe<'a> {
             needs,
             is_docked,
             rounding,
+            unit: 1.0,
+            exact: None,
             swing: footprint.swing_radius() + needs + rounding,
             inner: half.min(footprint.front()).min(footprint.rear()) + needs,
             most_length,
@@ -80,6 +87,19 @@ impl<'a> Probe<'a> {
             goal_heading: goal.heading.map(|heading| wrapped(heading - start.heading)),
             axis,
         })
+    }
+
+    /// The same in a scene's own frame, where `own` is the errand.
+    pub(super) fn own(
+        (errand, kept): (&'a Errand<'a>, Kept),
+        (own, scene): (&'a Errand<'a>, &OwnScene),
+        budget: &'a Budget<'a>,
+    ) -> Result<Self, Spent> {
+        let least = scene.kept(kept.least);
+        let most_length = scene.at_most(kept.most_length);
+        let probe = Self::new(own, Kept { least, most_length, ..kept }, budget)?;
+        let needs = kept.least.max(CONTACT) + 2.0 * rounding_of(errand);
+        Ok(Self { unit: scene.length, exact: Some((errand, needs)), ..probe })
     }
 
     /// The gap that the robot needs to pass in line, metres.
@@ -200,14 +220,20 @@ impl<'a> Probe<'a> {
 
     /// Whether a motion that touches no wall keeps what it must, or as much as at an end.
     fn is_as_at_ends(&self, curve: &Curve<2>) -> Result<bool, Spent> {
-        let Errand { footprint, start, goal, walls, .. } = self.errand;
+        let arrives = curve.end() == self.errand.goal.position;
+        // To the last bit, a wall along which the robot drives is as near as at the end.
+        let (errand, needs, curve) = match self.exact {
+            Some((errand, needs)) => (errand, needs, placed(curve, self.unit, &errand.start)),
+            None => (self.errand, self.needs, *curve),
+        };
+        let Errand { footprint, start, goal, walls, .. } = errand;
         // A robot that need not have any heading there arrives with this one.
-        let arrives = (curve.end() == goal.position).then(|| curve.end_heading());
+        let arrives = arrives.then(|| curve.end_heading());
         let last = goal.heading.or(arrives);
         let last = last.map_or(*start, |heading| Pose { position: goal.position, heading });
-        let leg = Leg { curve: *curve, junction: None, rule: None, rung: None };
+        let leg = Leg { curve, junction: None, rule: None, rung: None };
         let free = free_clearance(footprint, &[leg], walls, &[*start, last], self.budget)?;
-        Ok(free.is_none_or(|free| free.value > self.needs))
+        Ok(free.is_none_or(|free| free.value > needs))
     }
 
     /// What the reference point keeps from the walls at least, metres.
@@ -268,6 +294,32 @@ impl<'a> Probe<'a> {
         let length = (to - from).norm();
         SAME_HEADING.max(4.0 * position_rounding(from, to) / length)
     }
+}
+
+/// A curve in the frame of a pose, in another unit, in metres.
+fn placed(curve: &Curve<2>, unit_length: f64, start: &Pose) -> Curve<2> {
+    let axis = unit(start.heading);
+    let at = |point: &Vector<2>| start.position + rotated(&(point * unit_length), &axis);
+    let turned = |heading: f64| wrapped(start.heading + heading);
+    match *curve {
+        Curve::Line { from, to, heading, turned: by } => {
+            Curve::Line { from: at(&from), to: at(&to), heading: turned(heading), turned: by }
+        }
+        Curve::Arc { center, radius, start_angle, sweep, reverse } => Curve::Arc {
+            center: at(&center),
+            radius: radius * unit_length,
+            start_angle: turned(start_angle),
+            sweep,
+            reverse,
+        },
+        Curve::Turn { position, from_heading, sweep } => {
+            Curve::Turn { position: at(&position), from_heading: turned(from_heading), sweep }
+        }
+    }
+}
+
+fn rounding_of(Errand { start, goal, .. }: &Errand<'_>) -> f64 {
+    position_rounding(&start.position, &goal.position)
 }
 
 /// How far computed positions may be off, metres.

@@ -2,9 +2,9 @@
 
 use super::car::ArcTrack;
 use super::probe::Probe;
-use super::steer::{SAME_COST, SteerPlace, Steered, Steering, Word};
+use super::steer::{RunAlong, SAME_COST, SteerPlace, Steered, Steering, Word};
 use crate::budget::Spent;
-use crate::geometry::unit;
+use crate::geometry::{Vector, unit};
 use crate::motion::{Curve, wrapped};
 
 /// Places between which other motions are tried.
@@ -86,6 +86,53 @@ pub(super) fn curves(
         }
     }
     Ok(Some(curves))
+}
+
+/// A track in the scene as it is, to the goal as it is; `None` if its last motion can't lead there.
+pub(super) fn brought_back(
+    track: &ArcTrack,
+    (own, exactly): (&Steering, &Steering),
+    probe: &Probe<'_>,
+    exact: &Probe<'_>,
+) -> Result<Option<ArcTrack>, Spent> {
+    let mut at = SteerPlace { at: Vector::zeros(), heading: 0.0 };
+    let mut back = ArcTrack { places: vec![at], words: Vec::new() };
+    let mut others = Vec::new();
+    for (index, word) in track.words.iter().enumerate() {
+        let grown = word.pieces().iter().map(|piece| {
+            let factor = match piece.along {
+                RunAlong::Line => probe.unit,
+                RunAlong::Circle(_) => exactly.radius / own.radius,
+                RunAlong::Turn(_) => 1.0,
+            };
+            Steered { size: factor * piece.size, ..*piece }
+        });
+        let pieces: Vec<_> = grown.collect();
+        let mut word = exactly.word(&pieces);
+        if index + 1 == track.words.len() {
+            // To the goal the same way, or the most alike.
+            let goal = (&exact.goal, exact.goal_heading);
+            exactly.join(&at, goal, f64::INFINITY, &mut others, exact)?;
+            let differs = |other: &Word| {
+                let kind = |word: &Word| -> Vec<_> {
+                    word.pieces().iter().map(|piece| (piece.along, piece.back)).collect()
+                };
+                (kind(other) != kind(&word), (other.cost - word.cost).abs())
+            };
+            let alike = others.iter().min_by(|one, other| {
+                let (one, other) = (differs(one), differs(other));
+                one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
+            });
+            let Some(alike) = alike else { return Ok(None) };
+            word = *alike;
+        }
+        for piece in word.pieces() {
+            at = exactly.follow(&at, piece);
+        }
+        back.places.push(at);
+        back.words.push(word);
+    }
+    Ok(Some(back))
 }
 
 fn cost_of(words: &[Word], steering: &Steering) -> f64 {
@@ -227,10 +274,7 @@ fn moved(place: &SteerPlace, way: usize, part: f64, steering: &Steering) -> Stee
     let ahead = unit(place.heading);
     match way / 2 {
         0 => SteerPlace { at: place.at + ahead * step, ..*place },
-        1 => SteerPlace {
-            at: place.at + crate::geometry::Vector::<2>::new(-ahead.y, ahead.x) * step,
-            ..*place
-        },
+        1 => SteerPlace { at: place.at + Vector::<2>::new(-ahead.y, ahead.x) * step, ..*place },
         _ => SteerPlace { heading: wrapped(place.heading + by), ..*place },
     }
 }

@@ -110,6 +110,30 @@ impl Way {
         turns + (0..self.backs.len()).map(|leg| self.length_of(leg)).sum::<f64>()
     }
 
+    /// The way in the scene as it is, to the goal as it is.
+    pub(super) fn brought_back(&self, own: &Probe<'_>, exact: &Probe<'_>) -> Self {
+        let last = self.backs.len();
+        let mut way = Self::default();
+        for (knot, at) in self.knots.iter().enumerate() {
+            let is_inside = 0 < knot && knot < last;
+            if is_inside
+                && self.sweeps[knot].abs() <= NO_TURN
+                && self.backs[knot - 1] == self.backs[knot]
+            {
+                continue;
+            }
+            if knot < last {
+                way.backs.push(self.backs[knot]);
+            }
+            way.knots.push(if 0 < knot && knot == last { exact.goal } else { at * own.unit });
+            way.sweeps.push(self.sweeps[knot]);
+        }
+        for knot in 0..way.knots.len() {
+            way.turn_again(knot, exact);
+        }
+        way
+    }
+
     /// Its curves, if they are free with all rounding.
     pub(super) fn curves(&self, probe: &Probe<'_>) -> Result<Option<Vec<Curve<2>>>, Spent> {
         let mut curves = Vec::with_capacity(2 * self.knots.len());

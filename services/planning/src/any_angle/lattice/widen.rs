@@ -12,6 +12,9 @@ const LAST_STEP: f64 = 1e-8;
 /// Moves by steps of one size.
 const MOST_MOVES: usize = 24;
 
+/// A move must lead away by this part of its step, and a piece be nearer by it to be the nearest.
+const WORTH: f64 = 1e-4;
+
 /// Steps of the budget that a move takes beside its looks at walls.
 const STEPS_PER_MOVE: u64 = 10;
 
@@ -33,12 +36,12 @@ pub(super) fn widen(way: &mut Way, probe: &Probe<'_>) -> Result<(), Spent> {
             let pieces = (0..count).map(Piece::Leg).chain((0..=count).map(Piece::Turn));
             for piece in pieces {
                 let kept = kept(way, piece, probe)?;
-                if worst.is_none_or(|(least, _)| kept < least) {
+                if worst.is_none_or(|(least, _)| kept < least - WORTH * step) {
                     worst = Some((kept, piece));
                 }
             }
             let Some((least, piece)) = worst else { return Ok(()) };
-            if !least.is_finite() || !move_off(way, piece, (step, least), probe)? {
+            if !least.is_finite() || !move_off(way, piece, (step, least + WORTH * step), probe)? {
                 break;
             }
         }

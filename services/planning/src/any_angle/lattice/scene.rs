@@ -1,0 +1,120 @@
+//! A scene as a search between poses sees it.
+//!
+//! The start pose is the origin and heads along x, the unit is the robot's length, and all numbers
+//! are rounded to a grid. A scene that is turned, moved or given in another unit is the same there
+//! to the last bit, and so is all that a search decides, ties included. What it finds is brought
+//! back to the scene as it is, with its goal as it is, and checked there.
+
+use crate::any_angle::{Abilities, Costs, Errand};
+use crate::budget::{Budget, Cap, Spent};
+use crate::clearance::rectangle::Footprint;
+use crate::driving::{Goal, Pose};
+use crate::free_space::floor::{Floor, FloorError};
+use crate::free_space::walls::{Wall, Walls};
+use crate::geometry::{Vector, unit, unrotated};
+use crate::motion::wrapped;
+
+/// Coordinates are multiples of this, in lengths of the robot. It is coarse enough that the rounding
+/// of coordinates 10^6 m away hardly ever decides, and fine enough not to matter.
+const GRID: f64 = 1.0 / (1_u64 << 19) as f64;
+
+/// So are sizes, angles and costs, which have no origin.
+const FINE_GRID: f64 = 1.0 / (1_u64 << 30) as f64;
+
+/// A search keeps so much more from the walls than it is asked for: walls, goal and motions move by
+/// the grid.
+pub(super) const SLACK: f64 = 4.0 * GRID;
+
+/// Steps of the budget that a wall takes.
+const STEPS_PER_WALL: u64 = 2;
+
+/// A scene in its own frame.
+#[derive(Debug)]
+pub(super) struct OwnScene {
+    walls: Walls<2>,
+    floor: Floor,
+    footprint: Footprint,
+    goal: Goal,
+    /// The robot's length, metres.
+    pub(super) length: f64,
+    /// Memory taken from the budget, bytes.
+    held: usize,
+}
+
+impl OwnScene {
+    /// That of an errand; `None` if its walls enclose nothing.
+    pub(super) fn of(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<Option<Self>, Spent> {
+        let Errand { footprint, start, goal, .. } = errand;
+        let before = budget.drawn(Cap::Bytes);
+        let length = footprint.length();
+        let axis = unit(start.heading);
+        let place = |point: &Vector<2>| {
+            let point = unrotated(&(point - start.position), &axis);
+            point.map(|x| on_grid(x / length, GRID))
+        };
+        let given = errand.walls.as_slice();
+        budget.step(given.len() as u64 * STEPS_PER_WALL)?;
+        let mut walls = Walls::default();
+        for wall in given {
+            walls.push(Wall { from: place(&wall.from), to: place(&wall.to) });
+        }
+        walls.index(budget)?;
+        let floor = match Floor::new(&walls, budget) {
+            Ok(floor) => floor,
+            Err(FloorError::Spent(spent)) => return Err(spent),
+            Err(FloorError::Empty) => return Ok(None),
+        };
+        budget.hold(floor.bytes())?;
+        let sides = [footprint.width(), footprint.front(), footprint.rear()];
+        let [width, front, rear] = sides.map(|side| on_grid(side / length, FINE_GRID));
+        let heading = goal
+            .heading
+            .map(|heading| wrapped(on_grid(wrapped(heading - start.heading), FINE_GRID)));
+        Ok(Some(Self {
+            walls,
+            floor,
+            // Sides that vanish on the grid are as good as they are.
+            footprint: Footprint::offset(width, front, rear).unwrap_or(*footprint),
+            goal: Goal { position: place(&goal.position), heading },
+            length,
+            held: (budget.drawn(Cap::Bytes) - before) as usize,
+        }))
+    }
+
+    /// The errand there.
+    pub(super) fn errand(&self, errand: &Errand<'_>) -> Errand<'_> {
+        let Self { walls, floor, footprint, goal, .. } = self;
+        let Abilities { min_turn_radius, .. } = errand.abilities;
+        let Costs { turn, stop } = errand.costs;
+        let fine = |metres: f64| on_grid(metres / self.length, FINE_GRID);
+        Errand {
+            footprint: *footprint,
+            start: Pose { position: Vector::zeros(), heading: 0.0 },
+            goal: *goal,
+            start_turn: errand.start_turn,
+            abilities: Abilities { min_turn_radius: fine(min_turn_radius), ..errand.abilities },
+            costs: Costs { turn: fine(turn), stop: fine(stop) },
+            walls,
+            floor,
+        }
+    }
+
+    /// A distance there, with what a search keeps beside it.
+    pub(super) fn kept(&self, metres: f64) -> f64 {
+        on_grid(metres / self.length, FINE_GRID) + SLACK
+    }
+
+    /// A length there that is not less.
+    pub(super) fn at_most(&self, metres: f64) -> f64 {
+        on_grid(metres / self.length + GRID, GRID)
+    }
+
+    /// Gives back the memory that it has taken.
+    pub(super) fn release(&self, budget: &Budget<'_>) {
+        budget.release(self.held);
+    }
+}
+
+fn on_grid(x: f64, grid: f64) -> f64 {
+    libm::round(x / grid) * grid
+}
