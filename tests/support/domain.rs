@@ -1,10 +1,10 @@
 //! Domains for tests.
 
-use std::ffi::OsStr;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
 
 use bus::{Client, ConnectError, Domain, Wait};
 use tempfile::TempDir;
@@ -19,6 +19,8 @@ use crate::{Ended, Process, program, wait_for};
 pub struct TestDomain {
     name: String,
     directory: TempDir,
+    /// Prefixes of its files in memory: new ones each time that somebody comes first.
+    prefixes: Mutex<BTreeSet<String>>,
     started: AtomicU32,
     killed: Arc<AtomicBool>,
 }
@@ -32,6 +34,7 @@ impl TestDomain {
         Self {
             name: format!("it-{}-{count}", std::process::id()),
             directory: TempDir::new().expect("the system has room for files"),
+            prefixes: Mutex::default(),
             started: AtomicU32::new(0),
             killed: Arc::default(),
         }
@@ -39,7 +42,12 @@ impl TestDomain {
 
     /// The domain for the ports of this process.
     pub fn domain(&self) -> Domain {
-        Domain::new(&self.name).expect("the name is possible")
+        Domain::new(&self.name).expect("the name is possible").under(&self.root())
+    }
+
+    /// The directory under which the programs of this test find their domains.
+    pub fn root(&self) -> PathBuf {
+        self.path("root")
     }
 
     /// A file of this test.
@@ -58,6 +66,7 @@ impl TestDomain {
     pub fn start(&self, name: &str, arguments: &[&str], stdin: Option<&str>) -> Process {
         let mut command = Command::new(program(name));
         command.args(arguments).current_dir(self.directory.path()).env_remove("RUST_LOG");
+        command.env(bus::ROOT_VARIABLE, self.root());
         let number = self.started.fetch_add(1, Ordering::Relaxed);
         let outputs = self.path(&format!("{name}-{number}"));
         Process::start(name, command, outputs, stdin, Arc::clone(&self.killed))
@@ -69,6 +78,7 @@ impl TestDomain {
         let arguments = [&["--domain", &self.name], arguments].concat();
         let mut planner = self.start("planner", &arguments, None);
         planner.wait_until_it_says("ready");
+        self.note();
         planner
     }
 
@@ -78,6 +88,7 @@ impl TestDomain {
         let arguments = [&["--domain", &self.name, "-o", file], arguments].concat();
         let mut recorder = self.start("recorder", &arguments, None);
         recorder.wait_until_it_says("recording");
+        self.note();
         recorder
     }
 
@@ -110,18 +121,42 @@ impl TestDomain {
         })
     }
 
-    /// What lies in memory and on disk for this domain.
+    /// Notes what the files of this test's domains in memory are called.
+    fn note(&self) {
+        let settings = entries(&self.root()).into_iter().filter(|path| path.is_file());
+        let texts = settings.map(|path| std::fs::read_to_string(path).unwrap_or_default());
+        let mut prefixes = self.prefixes.lock().expect("nobody panics with it");
+        for text in texts {
+            let mut lines = text.lines();
+            let prefix = lines.find_map(|line| line.strip_prefix("prefix = \"")?.strip_suffix('"'));
+            prefixes.extend(prefix.map(String::from));
+        }
+    }
+
+    /// What lies in memory and on disk for this test's domains.
     pub fn left(&self) -> Vec<PathBuf> {
-        left_by(&self.name)
+        self.note();
+        let prefixes = self.prefixes.lock().expect("nobody panics with it");
+        let named = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            prefixes.iter().any(|prefix| name.starts_with(prefix))
+        };
+        let mut left = entries(Path::new("/dev/shm"));
+        left.retain(named);
+        let mut directories = entries(&self.root());
+        while let Some(directory) = directories.pop() {
+            directories.extend(entries(&directory));
+            left.push(directory);
+        }
+        left
     }
 }
 
 impl Drop for TestDomain {
     fn drop(&mut self) {
         if self.killed.load(Ordering::Relaxed) {
-            // Who is killed clears nothing up; whoever joins next does. There is no planner to
-            // connect to.
-            let _ = Client::connect(&self.domain(), Wait::Poll);
+            // Who is killed clears nothing up.
+            self.note();
             self.domain().tidy();
         }
         let left = self.left();
@@ -132,22 +167,6 @@ impl Drop for TestDomain {
             assert!(left.is_empty(), "{} left behind {left:?}", self.name);
         }
     }
-}
-
-/// What lies in memory and on disk for the domain with this name.
-pub fn left_by(domain: &str) -> Vec<PathBuf> {
-    let prefix = format!("iox2_{domain}_");
-    let named = |name: &OsStr| name.to_string_lossy().starts_with(&prefix);
-    let mut left = entries(Path::new("/dev/shm"));
-    left.retain(|path| path.file_name().is_some_and(named));
-    let mut directories = vec![Path::new("/tmp/iceoryx2").join(domain)];
-    while let Some(directory) = directories.pop() {
-        if directory.exists() {
-            directories.extend(entries(&directory));
-            left.push(directory);
-        }
-    }
-    left
 }
 
 fn entries(directory: &Path) -> Vec<PathBuf> {

@@ -8,7 +8,7 @@ mod programs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-pub use domain::{TestDomain, left_by};
+pub use domain::TestDomain;
 pub use process::{Ended, Process, kill_group, kill_process};
 pub use programs::program;
 pub use rustix::process::Signal;

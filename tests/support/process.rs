@@ -68,6 +68,11 @@ impl Process {
         Self { name: name.to_owned(), child, ended: None, stdout, stderr, killed }
     }
 
+    /// The number of its process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Sends it a signal.
     pub fn signal(&self, signal: Signal) {
         if signal == Signal::KILL {

@@ -77,8 +77,11 @@ fn without_a_planner_plan_says_what_to_do() {
     let test = TestDomain::new();
     let ended = test.plan(&[&scene_path("disassemble.json")]);
     assert_eq!((ended.code, ended.stdout.as_str()), (Some(1), ""));
-    let name = test.domain();
-    let said = format!("plan: no planner runs in domain {name} (start one with `planner`)");
+    let (name, root) = (test.domain(), test.root());
+    let said = format!(
+        "plan: no planner runs in domain {name} under {} (start one with `planner --domain {name}`)",
+        root.display()
+    );
     assert!(ended.stderr.starts_with(&said), "{}", ended.stderr);
 }
 

@@ -3,7 +3,7 @@
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 
-use integration_tests::{Signal, TestDomain, kill_group, kill_process, left_by, program, wait_for};
+use integration_tests::{Signal, TestDomain, kill_group, kill_process, program, wait_for};
 
 #[test]
 fn two_demos_run_at_once() {
@@ -48,6 +48,7 @@ fn interrupted(moment: &str, signal: Signal, send: fn(&Child, Signal)) -> Option
         let mut demo = Command::new(program("demo"))
             .args(["-o", "out"])
             .current_dir(test.path(""))
+            .env(bus::ROOT_VARIABLE, test.root())
             .stdout(Stdio::null())
             .process_group(0)
             .spawn()
@@ -55,8 +56,7 @@ fn interrupted(moment: &str, signal: Signal, send: fn(&Child, Signal)) -> Option
         wait_for(moment, || test.path(moment).exists().then_some(()));
         send(&demo, signal);
         let code = demo.wait().unwrap().code();
-        let left = left_by(&format!("demo-{}", demo.id()));
-        assert!(left.is_empty(), "{left:?}");
+        assert!(test.left().is_empty(), "{:?}", test.left());
         // A demo may be done before the signal comes.
         if code != Some(0) {
             return code;

@@ -114,6 +114,7 @@ struct Piped {
 impl Piped {
     fn start(test: &TestDomain, arguments: &[&str]) -> Self {
         let mut child = Command::new(program("plan"))
+            .env(bus::ROOT_VARIABLE, test.root())
             .args(arguments)
             .args(["--format", "json", "-"])
             .current_dir(test.path(""))

@@ -43,13 +43,16 @@ pub enum Cause {
     #[error("it was created with another version of iceoryx2")]
     OtherIceoryx,
     /// The operating system forbids it.
-    #[error("permission denied; its files in /dev/shm and /tmp/iceoryx2 belong to another user")]
+    #[error("permission denied; its files in /dev/shm belong to another user")]
     Permissions,
     /// A signal came.
     #[error("interrupted by a signal")]
     Interrupted,
     /// Files are missing or damaged.
-    #[error("its files in /dev/shm or /tmp/iceoryx2 are missing or damaged")]
+    #[error(
+        "its files in /dev/shm or under the root directory are missing or damaged; end the programs in it, \
+         and try again"
+    )]
     Damaged,
     /// There is no memory left for it.
     #[error("no shared memory is left; enlarge /dev/shm")]

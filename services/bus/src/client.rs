@@ -8,9 +8,7 @@ use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::RequestSendError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::prelude::{
-    AllocationStrategy, CallbackProgression, Node, PortFactory, PortName, ipc,
-};
+use iceoryx2::prelude::{AllocationStrategy, CallbackProgression, PortFactory, PortName, ipc};
 use schemas::convert;
 use schemas::message::{
     ErrorCode, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
@@ -20,10 +18,12 @@ use schemas::wire;
 use crate::cause::Cause;
 use crate::clock::now_ns;
 use crate::connect;
-use crate::domain::{Domain, Tidy};
+use crate::domain::Domain;
 use crate::error::{CallError, ConnectError};
 use crate::headers::{Current, ReplyHeader, RequestHeader, UserHeader};
+use crate::member::Member;
 use crate::ports;
+use crate::presence::Visitor;
 use crate::process::Process;
 use crate::wait::{self, Wait, Woken};
 
@@ -67,8 +67,7 @@ pub struct Client {
     plan: ports::Plan<Current>,
     /// The planner's process, if it can be watched.
     planner: RefCell<Option<Process>>,
-    node: Node<ipc::Service>,
-    _tidy: Tidy,
+    node: Member,
 }
 
 impl Client {
@@ -79,7 +78,7 @@ impl Client {
     }
 
     fn connect_as(domain: &Domain, how: Wait, nonce: u64) -> Result<Self, ConnectError> {
-        let node = domain.join("client")?;
+        let node = domain.join(Visitor::CLIENT)?;
         let failed = |cause| connect::failed(&node, domain, connect::REQUESTS, cause);
         let plan = ports::open_plan::<Current>(&node).map_err(failed)?;
         let wake = ports::open_wake(&node).map_err(failed)?;
@@ -132,7 +131,6 @@ impl Client {
             planner: RefCell::new(planner_of(&plan)),
             plan,
             node,
-            _tidy: Tidy(domain.clone()),
         })
     }
 
@@ -297,7 +295,7 @@ impl Pending<'_> {
             let now = Instant::now();
             if now >= until {
                 // A planner that was killed counts as connected until it is cleared away.
-                self.client.node.try_cleanup_dead_nodes();
+                self.client.node.sweep();
                 if !self.awaited.is_connected() {
                     return Err(self.client.lost());
                 }
@@ -315,7 +313,7 @@ impl Pending<'_> {
             let has_ended = process.as_ref().is_some_and(Process::has_ended);
             drop(process);
             if has_ended || now.elapsed() >= wait::NET {
-                node.try_cleanup_dead_nodes();
+                node.sweep();
             }
             if has_ended && self.awaited.is_connected() {
                 // Another serves this request, or somebody else is clearing the dead one away.

@@ -17,7 +17,10 @@ pub enum ConnectError {
     #[error(transparent)]
     Domain(#[from] DomainError),
     /// No planner is there.
-    #[error("no planner runs in domain {domain} (start one with `planner`)")]
+    #[error(
+        "no planner runs in domain {domain}{} (start one with `planner --domain {domain}`)",
+        place(domain)
+    )]
     NoPlanner {
         /// The domain.
         domain: Domain,
@@ -73,6 +76,11 @@ pub enum ConnectError {
         /// Why not.
         cause: Cause,
     },
+}
+
+/// Where a domain was looked for.
+fn place(domain: &Domain) -> String {
+    domain.root().map_or_else(|_| String::new(), |root| format!(" under {}", root.display()))
 }
 
 /// Why a request has no reply.

@@ -1,6 +1,7 @@
 //! iceoryx2's own diagnostics, forwarded to `tracing`.
 
-use std::fmt::Arguments;
+use std::fmt::{self, Arguments, Write};
+use std::sync::Once;
 
 use iceoryx2::prelude::{LogLevel, set_log_level, set_logger};
 
@@ -8,19 +9,34 @@ use iceoryx2::prelude::{LogLevel, set_log_level, set_logger};
 /// 10 KB for one warning.
 const MOST_ORIGIN: usize = 80;
 
+/// Longest message that is passed on; some have the whole configuration in them.
+const MOST_MESSAGE: usize = 240;
+
+/// How iceoryx2 says that it has found no configuration file: nobody is to have one.
+const NO_CONFIGURATION: &str = "No config file was loaded";
+
 struct ToTracing;
 
-/// From now on iceoryx2 logs warnings and errors through `tracing`, target `iceoryx2`.
+/// From now on iceoryx2 logs warnings and errors through `tracing`, target `iceoryx2`. Whoever
+/// joins a domain does so by itself.
 pub fn forward_to_tracing() {
     static LOGGER: ToTracing = ToTracing;
-    set_logger(&LOGGER);
-    set_log_level(LogLevel::Warn);
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        if set_logger(&LOGGER) {
+            set_log_level(LogLevel::Warn);
+        }
+    });
 }
 
 impl iceoryx2_log::Log for ToTracing {
     fn log(&self, level: LogLevel, origin: Arguments, message: Arguments) {
-        let mut origin = origin.to_string();
-        origin.truncate(origin.floor_char_boundary(MOST_ORIGIN));
+        let origin = beginning(origin, MOST_ORIGIN);
+        let message = beginning(message, MOST_MESSAGE);
+        let level = match message.starts_with(NO_CONFIGURATION) {
+            true => LogLevel::Debug,
+            false => level,
+        };
         match level {
             LogLevel::Trace | LogLevel::Debug => {
                 tracing::debug!(target: "iceoryx2", origin, "{message}");
@@ -31,5 +47,35 @@ impl iceoryx2_log::Log for ToTracing {
                 tracing::error!(target: "iceoryx2", origin, "{message}");
             }
         }
+    }
+}
+
+/// At most the first `most` bytes of a text.
+fn beginning(text: Arguments, most: usize) -> String {
+    struct Cut(String, usize);
+    impl fmt::Write for Cut {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            let room = self.1 - self.0.len();
+            self.0.push_str(&text[..text.floor_char_boundary(room)]);
+            // The rest is not even written.
+            if text.len() > room { Err(fmt::Error) } else { Ok(()) }
+        }
+    }
+    let mut cut = Cut(String::new(), most);
+    if cut.write_fmt(text).is_err() {
+        cut.0.push_str("...");
+    }
+    cut.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_are_cut() {
+        assert_eq!(beginning(format_args!("{}", "short"), 10), "short");
+        assert_eq!(beginning(format_args!("{}-{}", "12345", "\u{e4}bc"), 7), "12345-...");
+        assert_eq!(beginning(format_args!("{}{}", "1234567", "8"), 7), "1234567...");
     }
 }

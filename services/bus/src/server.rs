@@ -15,15 +15,17 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{CallbackProgression, Node, PortFactory, ipc};
+use iceoryx2::prelude::{CallbackProgression, PortFactory, ipc};
 use iceoryx2::service::port_factory::server::ServerCreateError;
 
 use crate::cause::Cause;
-use crate::domain::{Domain, Tidy};
+use crate::domain::Domain;
 use crate::error::OpenError;
 use crate::headers::{Current, Version};
+use crate::member::Member;
 use crate::options::ServerOptions;
 use crate::ports::{self, PlanRequest, PlanServer};
+use crate::presence::Visitor;
 use crate::previous::Previous;
 use crate::status::StatusWriter;
 use crate::tap::TapWriter;
@@ -79,11 +81,10 @@ pub struct Server {
     status: StatusWriter,
     /// Clients open it; a service without a port disappears with its last factory.
     _wake: ports::Bell,
-    node: Node<ipc::Service>,
+    node: Member,
     how: Wait,
     /// The last look for peers that died.
     swept: Instant,
-    _tidy: Tidy,
 }
 
 impl Server {
@@ -96,7 +97,7 @@ impl Server {
                 return Err(OpenError::SharedMemory { needs, free });
             }
         }
-        let node = domain.join("planner")?;
+        let node = domain.join(Visitor::PLANNER)?;
         let failed =
             |what| move |cause: Cause| OpenError::Service { what, domain: domain.clone(), cause };
         const REQUESTS: &str = "the service for requests";
@@ -163,7 +164,6 @@ impl Server {
             node,
             how: options.wait,
             swept: Instant::now(),
-            _tidy: Tidy(domain.clone()),
         })
     }
 
@@ -248,7 +248,7 @@ impl Server {
     /// Clears away the peers that died. The dead keep their memory, and a dead recorder keeps the
     /// tap busy, until somebody does.
     pub fn sweep(&mut self) {
-        self.node.try_cleanup_dead_nodes();
+        self.node.sweep();
         self.deaths.forget_dead();
         self.swept = Instant::now();
     }

@@ -18,10 +18,12 @@ use schemas::wire;
 use crate::cause::Cause;
 use crate::clock::now_ns;
 use crate::connect;
-use crate::domain::{Domain, Tidy};
+use crate::domain::Domain;
 use crate::error::ConnectError;
 use crate::headers::{TapHeader, UserHeader};
+use crate::member::Member;
 use crate::ports;
+use crate::presence::Visitor;
 use crate::wait;
 
 /// Cells of one message of the tap: a whole reply part with its header; longer requests
@@ -191,13 +193,14 @@ pub struct TapReader {
     begun: Vec<u64>,
     /// An event that waits behind a loss.
     waiting: Option<TapMessage>,
-    _tidy: Tidy,
+    /// Stays in the domain for as long as the port is open.
+    _node: Member,
 }
 
 impl TapReader {
     /// Listens to the planner of a domain.
     pub fn connect(domain: &Domain) -> Result<Self, ConnectError> {
-        let node = domain.join("recorder")?;
+        let node = domain.join(Visitor::RECORDER)?;
         let failed = |cause| connect::failed(&node, domain, connect::TAP, cause);
         let service = ports::open_tap(&node).map_err(failed)?;
         let settings = service.static_config();
@@ -213,7 +216,7 @@ impl TapReader {
             place: None,
             begun: Vec::new(),
             waiting: None,
-            _tidy: Tidy(domain.clone()),
+            _node: node,
         })
     }
 

@@ -8,6 +8,8 @@ mod hostile;
 mod memory;
 #[path = "bus/process.rs"]
 mod process;
+#[path = "bus/remains.rs"]
+mod remains;
 #[path = "bus/round_trip.rs"]
 mod round_trip;
 #[path = "bus/support.rs"]

@@ -88,7 +88,7 @@ mod other {
 fn other_service<T>(test: &TestDomain, open: impl FnOnce(other::Builder) -> T) -> T {
     assert_eq!(size_of::<other::RequestHeader>(), size_of::<RequestHeader>());
     assert_eq!(size_of::<other::ReplyHeader>(), size_of::<schemas::wire::ReplyHeader>());
-    let node = bare_node(test.name());
+    let node = test.bare_node();
     open(
         node.service_builder(&schemas::topic::PLAN.try_into().unwrap())
             .request_response::<[u64], [u64]>()

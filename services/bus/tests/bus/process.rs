@@ -22,15 +22,9 @@ impl Process {
     }
 
     /// Does so by way of a program that runs the one it is given.
-    pub(crate) fn start_by(mut by: Command, part: &str, domain: &TestDomain) -> Self {
-        let mut child = by
-            .arg(std::env::current_exe().unwrap())
-            .args(["--exact", "process::run", "--ignored", "--nocapture"])
-            .env("BUS_PART", part)
-            .env("BUS_DOMAIN", domain.name())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
+    pub(crate) fn start_by(by: Command, part: &str, domain: &TestDomain) -> Self {
+        let mut process = Self::begin_by(by, part, domain);
+        let child = &mut process.0;
         let mut output = child.stdout.take().unwrap();
         let mut said = Vec::new();
         let mut byte = [0];
@@ -39,6 +33,24 @@ impl Process {
             said.push(byte[0]);
         }
         child.stdout = Some(output);
+        domain.note();
+        process
+    }
+
+    /// Starts a process that plays `part`, and does not wait.
+    pub(crate) fn begin(part: &str, domain: &TestDomain) -> Self {
+        Self::begin_by(Command::new("env"), part, domain)
+    }
+
+    fn begin_by(mut by: Command, part: &str, domain: &TestDomain) -> Self {
+        let child = by
+            .arg(std::env::current_exe().unwrap())
+            .args(["--exact", "process::run", "--ignored", "--nocapture"])
+            .env("BUS_PART", part)
+            .env("CLEARWAY_ROOT", domain.root())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
         Self(child)
     }
 
@@ -77,7 +89,7 @@ impl Drop for Process {
 #[ignore = "for other tests to start"]
 fn run() {
     let Ok(part) = std::env::var("BUS_PART") else { return };
-    let domain = Domain::new(&std::env::var("BUS_DOMAIN").unwrap()).unwrap();
+    let domain = Domain::new("test").unwrap();
     let ready = || println!("\nready");
     let client = || connect(&domain, Wait::Event);
     match part.as_str() {
@@ -105,6 +117,12 @@ fn run() {
             ready();
             std::thread::sleep(Duration::from_secs(60));
         }
+        "client that comes and goes" => {
+            ready();
+            loop {
+                client().call(&scene(1, 1), LONG).unwrap();
+            }
+        }
         "client that waits" => {
             let client = client();
             let mut pending = client.send(&scene(1, 1)).unwrap();
@@ -112,7 +130,7 @@ fn run() {
             let _ = pending.wait(Instant::now() + Duration::from_secs(60));
         }
         "client of version 1" => {
-            let client = OldClient::connect(domain.to_string().as_str(), 77);
+            let client = OldClient::connect(bare_node(&domain.root().unwrap()), 77);
             ready();
             for id in 0..200 {
                 let reply = client.call(&scene(id, 2_000));

@@ -1,19 +1,23 @@
 //! Domains, planners and processes for tests.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::collections::BTreeSet;
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bus::{Client, ConnectError, Domain, Incoming, ReplyError, Server, ServerOptions, Wait, Woken};
-use iceoryx2::prelude::{Config, FileName, Node, NodeBuilder, Path, SemanticString, ipc};
+use iceoryx2::prelude::{Config, FilePath, Node, NodeBuilder, SemanticString, ipc};
 use schemas::convert::{self, TrajectoryWriter};
 use schemas::message::{
     AxisBox, Body, ClearanceWish, Direction, FreeSpace, Gap, Reply, RequestKey, Sampling,
     SceneRequest, Task, Trajectory,
 };
 use schemas::wire;
+use tempfile::TempDir;
 
 /// A limit that only a hang reaches.
 pub(crate) const LONG: Duration = Duration::from_secs(20);
@@ -21,50 +25,79 @@ pub(crate) const LONG: Duration = Duration::from_secs(20);
 /// A domain that nobody else uses, and that must be empty in the end.
 pub(crate) struct TestDomain {
     pub domain: Domain,
-    name: String,
+    root: TempDir,
+    /// Prefixes of its files in memory: new ones each time that somebody comes first.
+    prefixes: Mutex<BTreeSet<String>>,
 }
 
 impl TestDomain {
     pub(crate) fn new() -> Self {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("test-{}-{count}", std::process::id());
-        Self { domain: Domain::new(&name).unwrap(), name }
+        let alone = Permissions::from_mode(0o700);
+        let root = tempfile::Builder::new().prefix("cw").permissions(alone).tempdir_in("/tmp");
+        let root = root.unwrap();
+        let domain = Domain::new("test").unwrap().under(root.path());
+        Self { domain, root, prefixes: Mutex::default() }
     }
 
-    pub(crate) fn name(&self) -> &str {
-        &self.name
+    pub(crate) fn root(&self) -> &Path {
+        self.root.path()
+    }
+
+    /// The domain as a configuration of iceoryx2.
+    fn settings(&self) -> PathBuf {
+        self.root().join("test.toml")
+    }
+
+    /// Notes what the domain's files in memory are called.
+    pub(crate) fn note(&self) {
+        let text = std::fs::read_to_string(self.settings()).unwrap_or_default();
+        let prefix =
+            text.lines().find_map(|line| line.strip_prefix("prefix = \"")?.strip_suffix('"'));
+        self.prefixes.lock().unwrap().extend(prefix.map(String::from));
     }
 
     /// What lies in memory and on disk for this domain.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
-        let prefix = format!("iox2_{}_", self.name);
+        self.note();
+        let prefixes = self.prefixes.lock().unwrap();
         let named = |path: &PathBuf| {
-            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix))
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            prefixes.iter().any(|prefix| name.starts_with(prefix))
         };
         let mut files: Vec<_> = entries("/dev/shm").into_iter().filter(named).collect();
-        let mut directories = vec![PathBuf::from(format!("/tmp/iceoryx2/{}", self.name))];
+        let mut directories = entries(self.root());
         while let Some(directory) = directories.pop() {
             if directory.is_dir() {
                 directories.extend(entries(&directory));
             }
-            if directory.exists() {
-                files.push(directory);
-            }
+            files.push(directory);
         }
         files
     }
+
+    /// Joins the domain by iceoryx2's own means, and makes it if nobody is there.
+    pub(crate) fn bare_node(&self) -> Node<ipc::Service> {
+        if !self.settings().exists() {
+            let directory = self.root().join("testtest");
+            let text = format!(
+                "# A domain of Clearway. As config/iceoryx2.toml it shows the domain to iceoryx2's tools.\n\
+                 [global]\nroot-path = {directory:?}\nprefix = \"cw_testtest_\"\n"
+            );
+            std::fs::write(self.settings(), text).unwrap();
+        }
+        bare_node(self.root())
+    }
 }
 
-fn entries(directory: impl AsRef<std::path::Path>) -> Vec<PathBuf> {
+fn entries(directory: impl AsRef<Path>) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(directory).into_iter().flatten();
     entries.filter_map(|entry| Some(entry.ok()?.path())).collect()
 }
 
 impl Drop for TestDomain {
     fn drop(&mut self) {
-        // Whoever joins clears away what died; nobody is there to connect to.
-        let _ = Client::connect(&self.domain, Wait::Poll);
+        self.note();
+        // Who was killed clears nothing up.
         self.domain.tidy();
         let left = self.files();
         for path in &left {
@@ -72,17 +105,16 @@ impl Drop for TestDomain {
             let _ = std::fs::remove_dir_all(path);
         }
         if !std::thread::panicking() {
-            assert_eq!(left, Vec::<PathBuf>::new(), "left behind in {}", self.name);
+            assert_eq!(left, Vec::<PathBuf>::new(), "left behind in {}", self.root().display());
         }
     }
 }
 
-/// Joins a domain by iceoryx2's own means.
-pub(crate) fn bare_node(domain: &str) -> Node<ipc::Service> {
-    let mut config = Config::default();
-    config.global.prefix = FileName::new(format!("iox2_{domain}_").as_bytes()).unwrap();
-    let root = format!("/tmp/iceoryx2/{domain}");
-    config.global.set_root_path(&Path::new(root.as_bytes()).unwrap());
+/// Joins the test's domain under a directory by iceoryx2's own means.
+pub(crate) fn bare_node(root: &Path) -> Node<ipc::Service> {
+    let file = root.join("test.toml");
+    let file = FilePath::new(file.as_os_str().as_encoded_bytes()).unwrap();
+    let config = Config::from_file(&file).expect("it is a configuration of iceoryx2");
     NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap()
 }
 

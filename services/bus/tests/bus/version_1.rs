@@ -56,8 +56,7 @@ pub(crate) struct OldPlanner {
 
 impl OldPlanner {
     /// With the default settings of version 1.
-    pub(crate) fn start(domain: &str) -> Self {
-        let node = bare_node(domain);
+    pub(crate) fn start(node: Node<ipc::Service>) -> Self {
         let service: Plan = plan(&node)
             .enable_safe_overflow_for_requests(false)
             .enable_safe_overflow_for_responses(false)
@@ -98,8 +97,7 @@ pub(crate) type Pending =
     iceoryx2::pending_response::PendingResponse<ipc::Service, [u64], OldRequest, [u64], OldReply>;
 
 impl OldClient {
-    pub(crate) fn connect(domain: &str, nonce: u64) -> Self {
-        let node = bare_node(domain);
+    pub(crate) fn connect(node: Node<ipc::Service>, nonce: u64) -> Self {
         let service = plan(&node).open().unwrap();
         assert_eq!(service.dynamic_config().number_of_servers(), 1);
         let port = service

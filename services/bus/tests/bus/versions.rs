@@ -20,7 +20,7 @@ use crate::version_1::{OldClient, OldPlanner};
 fn old_and_new_clients_are_served_side_by_side() {
     let test = TestDomain::new();
     let _planner = Planner::start(&test.domain, ServerOptions::default());
-    let old = OldClient::connect(test.name(), 5);
+    let old = OldClient::connect(test.bare_node(), 5);
     let new = Client::connect(&test.domain, Wait::Event).unwrap();
     for id in 0..50 {
         let samples = id * 100;
@@ -67,7 +67,7 @@ fn the_bytes_of_old_requests_are_read() {
         say.send((incoming.header(), read(incoming))).unwrap();
         answer(&wire::RequestHeader { sampling: 1, ..incoming.header() }, incoming)
     });
-    let old = OldClient::connect(test.name(), 5);
+    let old = OldClient::connect(test.bare_node(), 5);
     for name in ["section-4", "assemble-from-solids", "three-dimensions", "drive", "curve"] {
         let (header, cells) = pinned(&format!("request-{name}.txt"));
         assert_eq!(header.version, 1);
@@ -103,7 +103,7 @@ fn what_version_1_does_not_know_is_told_in_its_words() {
     let _planner = Planner::start_with(&test.domain, ServerOptions::default(), refuse);
     let mut tap = TapReader::connect(&test.domain).unwrap();
 
-    let old = OldClient::connect(test.name(), 5);
+    let old = OldClient::connect(test.bare_node(), 5);
     let (header, cells) = old.receive(&old.ask(&scene(1, 1)));
     assert_eq!((header.version, header.kind, header.last), (1, 1, 1));
     assert_eq!(header.refusal as usize, cells.len());
@@ -182,7 +182,7 @@ fn trajectories_reach_old_clients_without_what_is_new() {
     assert_eq!((whole.bound, whole.free_clearance, whole.complete), (Some(2.0), Some(0.5), false));
     assert!(whole.legs.iter().all(|leg| leg.reverse && leg.rung == Some(Rung::Reverse)));
 
-    let old = OldClient::connect(test.name(), 5).call(&scene(2, 1)).content.unwrap();
+    let old = OldClient::connect(test.bare_node(), 5).call(&scene(2, 1)).content.unwrap();
     let legs = whole.legs.iter().map(|leg| Leg { reverse: false, rung: None, ..*leg });
     let expected = Trajectory {
         bound: None,
@@ -206,7 +206,7 @@ fn neither_version_starves_the_other() {
     let test = TestDomain::new();
     let options = ServerOptions { requests_per_client: 4, ..ServerOptions::default() };
     let mut server = Server::open(&test.domain, &options).unwrap();
-    let old = OldClient::connect(test.name(), 5);
+    let old = OldClient::connect(test.bare_node(), 5);
     let new = Client::connect(&test.domain, Wait::Poll).unwrap();
     let _old: Vec<_> = (0..4).map(|id| old.ask(&scene(id, 1))).collect();
     let _new: Vec<_> = (0..4).map(|id| new.send(&scene(id, 1)).unwrap()).collect();
@@ -220,10 +220,10 @@ fn clients_of_both_versions_share_the_places() {
     let test = TestDomain::new();
     let options = ServerOptions { max_clients: 2, ..ServerOptions::default() };
     let _planner = Planner::start(&test.domain, options);
-    let old = OldClient::connect(test.name(), 5);
+    let old = OldClient::connect(test.bare_node(), 5);
     let new = Client::connect(&test.domain, Wait::Event).unwrap();
     let third = Client::connect(&test.domain, Wait::Event).unwrap_err();
-    let name = test.name();
+    let name = test.domain.name();
     let said = format!(
         "2 clients are connected in domain {name}, the most this planner takes (`max_clients`)"
     );
@@ -236,12 +236,12 @@ fn clients_of_both_versions_share_the_places() {
 #[test]
 fn an_older_planner_is_told_apart_from_none() {
     let test = TestDomain::new();
-    let planner = OldPlanner::start(test.name());
+    let planner = OldPlanner::start(test.bare_node());
     let expected = ConnectError::OlderPlanner { domain: test.domain.clone(), planner: 1 };
     assert_eq!(Client::connect(&test.domain, Wait::Event).unwrap_err(), expected);
     assert_eq!(TapReader::connect(&test.domain).unwrap_err(), expected);
     let second = Server::open(&test.domain, &ServerOptions::default()).unwrap_err();
-    assert_eq!(second.to_string(), format!("another planner serves domain {}", test.name()));
+    assert_eq!(second.to_string(), format!("another planner serves domain {}", test.domain));
     drop(planner);
     let absent = Client::connect(&test.domain, Wait::Event).unwrap_err();
     assert_eq!(absent, ConnectError::NoPlanner { domain: test.domain.clone() });
@@ -251,8 +251,8 @@ fn an_older_planner_is_told_apart_from_none() {
 #[test]
 fn a_connected_old_client_outlives_the_upgrade() {
     let test = TestDomain::new();
-    let planner = OldPlanner::start(test.name());
-    let old = OldClient::connect(test.name(), 5);
+    let planner = OldPlanner::start(test.bare_node());
+    let old = OldClient::connect(test.bare_node(), 5);
     drop(planner);
     let _planner = Planner::start(&test.domain, ServerOptions::default());
     assert_eq!(old.call(&scene(7, 3)).content, Ok(trajectory(7, 3)));
@@ -271,7 +271,7 @@ fn a_slow_old_client_holds_nobody_up() {
     };
     let long = 100_000;
     let _planner = Planner::start(&test.domain, options);
-    let old = OldClient::connect(test.name(), 5);
+    let old = OldClient::connect(test.bare_node(), 5);
     let new = Client::connect(&test.domain, Wait::Event).unwrap();
     let _pending = old.ask(&scene(1, long));
     new.call(&scene(2, 1), LONG / 2).unwrap();

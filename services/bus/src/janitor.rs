@@ -1,0 +1,180 @@
+//! Clears away what died in a domain.
+//!
+//! iceoryx2 takes the dead out of its services and removes what it has registered. What it has
+//! not registered yet, or no more, stays: the files of a program that was killed while it started
+//! or ended. Their names tell the process that made them, and [`crate::presence`] whether it lives.
+
+use std::collections::BTreeSet;
+use std::fs::Metadata;
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use iceoryx2::node::{DeadNodeView, NodeCleanupFailure, NodeState, NodeView};
+use iceoryx2::prelude::{CallbackProgression, Node, ipc};
+use iceoryx2::service::Service;
+
+use crate::presence::{self, Visitor};
+use crate::root::Root;
+use crate::site::{self, MEMORY, Site};
+
+/// How long a sweep waits for programs that start or end; the next one is soon.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Within a process, iceoryx2 clears away in one thread at a time.
+static CLEARING: Mutex<()> = Mutex::new(());
+
+/// Clears away what died, if anything has: else it costs about 3 µs for each that lives.
+pub(crate) fn sweep(chosen: Option<&Path>, site: &Site) {
+    let visitors: Vec<_> = presence::visitors(site).collect();
+    // Others than our programs show no presence; of them only iceoryx2 knows.
+    let nodes = site::names(&site.nodes()).filter(|name| name.ends_with(".node_monitor")).count();
+    if nodes <= visitors.len() && visitors.iter().all(|visitor| visitor.lives) {
+        return;
+    }
+    if let Ok(Some(_root)) = Root::lock(chosen, false, PATIENCE) {
+        clear(site);
+    }
+}
+
+/// Whether nobody lives in a domain. Asked under the lock of the root, it stays true.
+pub(crate) fn is_deserted(site: &Site) -> bool {
+    if presence::visitors(site).any(|visitor| visitor.lives) {
+        return false;
+    }
+    // Others than our programs show no presence, but iceoryx2 has a lock for each.
+    let mut alive = false;
+    let listed = Node::<ipc::Service>::list(&site.config(), |node| {
+        alive = matches!(node, NodeState::Alive(_) | NodeState::Inaccessible(_));
+        if alive { CallbackProgression::Stop } else { CallbackProgression::Continue }
+    });
+    listed.is_ok() && !alive
+}
+
+/// Clears away what died, under the lock of the root: nobody joins meanwhile.
+pub(crate) fn clear(site: &Site) {
+    let _alone = CLEARING.lock().unwrap_or_else(PoisonError::into_inner);
+    let visitors: Vec<_> = presence::visitors(site).collect();
+    let mut living = presence::living(&visitors);
+    let Some(dead) = dead_nodes(site, &mut living) else { return };
+    remove_half_made(site, &living);
+    if !dead.into_iter().all(|node| take_out(site, node)) {
+        return;
+    }
+    remove_strays(&site.nodes(), &site.prefix(), &living, |_| true);
+    remove_strays(&site.directory(), &site.prefix(), &living, |_| true);
+    let services = remove_services(site, &living);
+    remove_strays(Path::new(MEMORY), &site.prefix(), &living, |name| {
+        // A service outlives who made it.
+        !name.ends_with(".dynamic") || services.as_ref().is_some_and(|kept| !kept.contains(name))
+    });
+    site.close_to_others();
+    // Last: their files say that there is something to do.
+    visitors.iter().filter(|visitor| !visitor.lives).for_each(Visitor::forget);
+}
+
+/// The dead that iceoryx2 knows, if it can say; those that it knows to live are added to `living`.
+fn dead_nodes(site: &Site, living: &mut BTreeSet<u32>) -> Option<Vec<DeadNodeView<ipc::Service>>> {
+    let mut dead = Vec::new();
+    let listed = Node::<ipc::Service>::list(&site.config(), |node| {
+        match node {
+            NodeState::Alive(node) => living.extend(process(node.id().value())),
+            NodeState::Inaccessible(id) => living.extend(process(id.value())),
+            // Without its details, iceoryx2 would look for its files elsewhere. They were
+            // removed last, or are not there yet: it is in no service.
+            NodeState::Dead(node) if node.details().is_some() => dead.push(node),
+            NodeState::Dead(_) | NodeState::Undefined(_) => {}
+        }
+        CallbackProgression::Continue
+    });
+    listed.is_ok().then_some(dead)
+}
+
+/// Removes memory that one of the dead was just making: iceoryx2 would wait for it for ever.
+fn remove_half_made(site: &Site, living: &BTreeSet<u32>) {
+    for name in site.in_memory().iter().filter(|name| !makers(name).is_subset(living)) {
+        let path = Path::new(MEMORY).join(name);
+        let is_half_made = |found: Metadata| found.len() == 0 || found.mode() & 0o400 == 0;
+        if std::fs::symlink_metadata(&path).is_ok_and(is_half_made) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// Has iceoryx2 take a dead node out of the services. False asks for another try.
+fn take_out(site: &Site, node: DeadNodeView<ipc::Service>) -> bool {
+    match node.try_remove_stale_resources() {
+        Err(NodeCleanupFailure::Interrupt) => return false,
+        // Another janitor was killed at it, or a service that was never finished stands in
+        // the way: then the files go.
+        Err(error) => tracing::debug!(domain = site.name(), ?error, "a dead program is left"),
+        Ok(()) => {}
+    }
+    true
+}
+
+/// Removes what the dead made: files, sockets and directories whose names have numbers of
+/// theirs only.
+fn remove_strays(
+    directory: &Path,
+    prefix: &str,
+    living: &BTreeSet<u32>,
+    may_go: impl Fn(&str) -> bool,
+) {
+    for name in site::names(directory) {
+        let makers = makers(name.strip_prefix(prefix).unwrap_or(&name));
+        let is_ours = name.starts_with(prefix) || directory != Path::new(MEMORY);
+        if is_ours && !makers.is_empty() && makers.is_disjoint(living) && may_go(&name) {
+            let path = directory.join(&name);
+            let _ = std::fs::remove_file(&path).or_else(|_| std::fs::remove_dir_all(&path));
+        }
+    }
+}
+
+/// Removes services that no living node has. The names of the files in memory of the others, if
+/// they are known.
+fn remove_services(site: &Site, living: &BTreeSet<u32>) -> Option<BTreeSet<String>> {
+    let directory = site.directory().join("services");
+    // In this order: who makes a service marks it as used before.
+    let found: Vec<_> = site::names(&directory).collect();
+    let mut used = BTreeSet::new();
+    let nodes = site.nodes();
+    for node in site::names(&nodes).filter(|name| !makers(name).is_disjoint(living)) {
+        used.extend(
+            site::names(&nodes.join(node))
+                .filter_map(|name| Some(name.strip_suffix("_tag")?.to_owned())),
+        );
+    }
+    for unused in found.iter().filter(|name| !used.contains(*name)) {
+        let _ = std::fs::remove_file(directory.join(unused));
+    }
+    let mut kept = BTreeSet::new();
+    let listed = ipc::Service::list(&site.config(), |service| {
+        kept.insert(service.static_details.unique_service_id().value());
+        CallbackProgression::Continue
+    });
+    listed.ok()?;
+    let names = site.in_memory().into_iter();
+    Some(names.filter(|name| numbers(name).any(|number| kept.contains(&number))).collect())
+}
+
+/// The processes whose numbers a file's name has.
+fn makers(name: &str) -> BTreeSet<u32> {
+    numbers(name).filter_map(process).collect()
+}
+
+/// The numbers in the name of a file of iceoryx2, before its first dot.
+fn numbers(name: &str) -> impl Iterator<Item = u128> {
+    let stem = name.split('.').next().unwrap_or_default();
+    stem.split('_')
+        .filter(|part| part.bytes().all(|c| c.is_ascii_digit()))
+        .filter_map(|part| part.parse().ok())
+}
+
+/// The process in a number of iceoryx2: from its lowest bits on, seconds, nanoseconds, process and
+/// count, 32 bits each.
+fn process(number: u128) -> Option<u32> {
+    let process = (number >> 64) as u32;
+    (process != 0).then_some(process)
+}

@@ -1,0 +1,112 @@
+//! Joining a domain, and leaving it.
+
+use std::ops::Deref;
+use std::time::Duration;
+
+use iceoryx2::prelude::{Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
+
+use crate::cause::Cause;
+use crate::domain::{Domain, DomainError};
+use crate::janitor;
+use crate::log;
+use crate::presence::Presence;
+use crate::root::{Root, RootError};
+use crate::site::Site;
+use crate::wait;
+
+/// How long a program waits until others have joined or left.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long it waits for that when it has ended already.
+const LEAVING: Duration = Duration::from_secs(1);
+
+/// This program as a member of a domain. Dropping it leaves the domain; whoever leaves last
+/// removes all its files.
+#[derive(Debug)]
+pub(crate) struct Member {
+    // Dropped in this order.
+    node: Node<ipc::Service>,
+    stay: Stay,
+}
+
+#[derive(Debug)]
+struct Stay {
+    domain: Domain,
+    site: Site,
+    presence: Option<Presence>,
+}
+
+impl Member {
+    /// Clears away programs that died in the domain, if there are any. Cheap if there are none.
+    pub(crate) fn sweep(&self) {
+        janitor::sweep(self.stay.domain.chosen_root(), &self.stay.site);
+    }
+}
+
+impl Deref for Member {
+    type Target = Node<ipc::Service>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.node
+    }
+}
+
+impl Drop for Stay {
+    fn drop(&mut self) {
+        drop(self.presence.take());
+        self.domain.tidy();
+    }
+}
+
+impl Domain {
+    /// Joins this domain as `role`, after clearing away what died in it.
+    pub(crate) fn join(&self, role: &str) -> Result<Member, DomainError> {
+        log::forward_to_tracing();
+        let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
+        wait::handle_signals().map_err(failed)?;
+        let stay = self.stay(role)?;
+        let node = NodeBuilder::new()
+            .name(&NodeName::new(role).expect("roles are short"))
+            .config(&stay.site.config())
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(|error| failed(Cause::from(error).to_string()))?;
+        Ok(Member { node, stay })
+    }
+
+    /// Shows in this domain that the program lives. It is made if nobody is there.
+    fn stay(&self, role: &str) -> Result<Stay, DomainError> {
+        let root = Root::lock(self.chosen_root(), true, PATIENCE)?;
+        let root = root.expect("it was made if it was missing");
+        let failed = |problem| RootError { path: root.path().to_owned(), problem };
+        let mut site = Site::find(root.path(), self.name()).map_err(failed)?;
+        if let Some(left) = site.take_if(|site| janitor::is_deserted(site)) {
+            // Others have seen the names of its files; the next have new ones.
+            left.remove();
+        }
+        let site = match site {
+            Some(site) => {
+                site.furnish().map_err(|error| failed(error.into()))?;
+                janitor::clear(&site);
+                site
+            }
+            None => Site::create(root.path(), self.name()).map_err(failed)?,
+        };
+        let presence = Presence::show(&site, role).map_err(|error| failed(error.into()))?;
+        Ok(Stay { domain: self.clone(), site, presence: Some(presence) })
+    }
+
+    /// Removes what is left of this domain if nobody lives in it.
+    pub fn tidy(&self) {
+        let Ok(Some(root)) = Root::lock(self.chosen_root(), false, LEAVING) else { return };
+        if let Ok(Some(site)) = Site::find(root.path(), self.name())
+            && janitor::is_deserted(&site)
+        {
+            site.remove();
+        }
+        root.remove_if_empty();
+    }
+}
+
+#[cfg(test)]
+mod tests;

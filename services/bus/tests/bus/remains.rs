@@ -1,0 +1,104 @@
+//! What programs leave behind that were killed at any time: nothing, within seconds.
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use bus::{Client, ConnectError, Wait};
+
+use crate::process::Process;
+use crate::support::*;
+
+/// How many are killed; CLEARWAY_KILLS in the environment says otherwise.
+const KILLS: u64 = 60;
+
+fn kills() -> u64 {
+    std::env::var("CLEARWAY_KILLS").map_or(KILLS, |kills| kills.parse().expect("a number"))
+}
+
+/// Kills a client that comes and goes, at a random moment of the first 20 ms.
+fn kill_one(test: &TestDomain, random: &mut fastrand::Rng) {
+    let client = Process::start("client that comes and goes", test);
+    std::thread::sleep(Duration::from_micros(random.u64(..20_000)));
+    client.kill();
+}
+
+#[test]
+fn what_killed_clients_leave_is_removed_by_the_living() {
+    let test = TestDomain::new();
+    let _planner = Process::start("planner", &test);
+    // Once somebody was there, as a planner keeps what it has opened.
+    connect(&test.domain, Wait::Event).call(&scene(1, 1), LONG).unwrap();
+    let before = test.files();
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut most = 0;
+    for _ in 0..kills() {
+        kill_one(&test, &mut random);
+        most = most.max(test.files().len());
+    }
+    assert!(most > before.len(), "nobody was killed while it was there");
+    let until = Instant::now() + Duration::from_secs(5);
+    let left = || -> Vec<PathBuf> {
+        test.files().into_iter().filter(|path| !before.contains(path)).collect()
+    };
+    while !left().is_empty() {
+        assert!(Instant::now() < until, "left behind: {:#?}", left());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    connect(&test.domain, Wait::Event).call(&scene(2, 1), LONG).unwrap();
+}
+
+#[test]
+fn what_the_last_left_is_removed_by_the_next() {
+    let mut random = fastrand::Rng::with_seed(8);
+    for _ in 0..kills().div_ceil(20) {
+        let test = TestDomain::new();
+        let planner = Process::start("planner", &test);
+        kill_one(&test, &mut random);
+        planner.kill();
+        let there = test.files();
+        assert!(there.len() > 10, "only {there:?}");
+        let next = Client::connect(&test.domain, Wait::Event);
+        assert!(matches!(next, Err(ConnectError::NoPlanner { .. })), "{next:?}");
+        assert_eq!(test.files(), Vec::<PathBuf>::new());
+    }
+}
+
+/// iceoryx2 waits for memory that is being made for as long as it takes.
+#[test]
+fn memory_that_the_dead_were_making_holds_nobody_up() {
+    let test = TestDomain::new();
+    let _planner = Process::start("planner", &test);
+    Process::start("client that asks and hangs", &test).kill();
+    let connections: Vec<_> = test.files();
+    let connections =
+        connections.iter().filter(|path| path.extension() == Some("connection".as_ref()));
+    let mut count = 0;
+    for path in connections {
+        // The planner still uses the old one.
+        std::fs::remove_file(path).unwrap();
+        let new = std::fs::File::create_new(path).unwrap();
+        new.set_permissions(std::fs::Permissions::from_mode(0o200)).unwrap();
+        count += 1;
+    }
+    assert!(count > 0, "the client was connected");
+    connect(&test.domain, Wait::Event).call(&scene(1, 1), LONG).unwrap();
+}
+
+#[test]
+fn a_planner_that_was_killed_while_it_started_is_in_nobodys_way() {
+    let mut random = fastrand::Rng::with_seed(9);
+    let test = TestDomain::new();
+    let first = Process::start("planner", &test);
+    // It stays, and so does the domain.
+    let stays = connect(&test.domain, Wait::Event);
+    drop(first);
+    for _ in 0..kills().div_ceil(6) {
+        let starts = Process::begin("planner", &test);
+        std::thread::sleep(Duration::from_micros(random.u64(..20_000)));
+        starts.kill();
+    }
+    let _planner = Process::start("planner", &test);
+    stays.call(&scene(1, 1), LONG).unwrap();
+    connect(&test.domain, Wait::Event).call(&scene(2, 1), LONG).unwrap();
+}
