@@ -4,6 +4,7 @@
 mod bad_input;
 mod command_line;
 mod demo;
+mod domains;
 mod end_to_end;
 mod golden;
 mod plan;

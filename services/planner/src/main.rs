@@ -44,6 +44,9 @@ Settings in FILE (TOML), with their defaults:
   junctions = 4194304      # junctions of the channels (16 bytes each)
   route_steps = 16777216   # pairs of junctions looked at for one route
 
+Domains are found under CLEARWAY_ROOT; by default, under clearway in XDG_RUNTIME_DIR, or
+/tmp/clearway-UID. `plan --list` shows them.
+
 Diagnostics go to stderr; RUST_LOG selects them (RUST_LOG=debug shows every request).
 Exit codes: 0 ended by a signal, 1 failure, 2 usage."
 )]

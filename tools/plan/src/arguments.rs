@@ -17,6 +17,8 @@ Examples:
   plan --map office.yaml drive-office.json
   plan --local --format json scene.json | jq .trajectories[0].length
   generate-scenes | plan --format csv - > samples.csv
+  plan --wait 10s scene.json
+  plan --list
 
 stdin (`-`) holds JSON objects one after another, on one line each or spread over several; each
 is answered as soon as it is complete. After invalid JSON, reading goes on at the next line that
@@ -27,17 +29,34 @@ CSV has a row for each sample, in SI units, with the columns
 scene counts from 1, id is the scene's own (empty if it has none), answer counts from 0.
 Refusals have no rows; they go to stderr.
 
+Domains are found under CLEARWAY_ROOT; by default, under clearway in XDG_RUNTIME_DIR, or
+/tmp/clearway-UID.
+
 Results go to stdout, diagnostics to stderr.
 Exit codes: 0 every scene has a trajectory, 1 a scene was refused or something failed, 2 usage,
 129 SIGHUP, 130 SIGINT (Ctrl-C), 143 SIGTERM."
 )]
 pub(crate) struct Arguments {
     /// Scene files; `-` reads any number of scenes from stdin
-    #[arg(required = true, value_name = "SCENE.json")]
+    #[arg(required_unless_present = "list", value_name = "SCENE.json")]
     pub(crate) scenes: Vec<PathBuf>,
+    /// List this user's domains: planner, clients, recorders, and where their files are
+    #[arg(long, conflicts_with_all = [
+        "scenes", "domain", "map", "local", "svg", "overwrite", "timeout", "wait",
+    ])]
+    pub(crate) list: bool,
     /// The planner's domain
     #[arg(long, value_name = "NAME")]
     pub(crate) domain: Option<Domain>,
+    /// How long to wait for a planner to start
+    #[arg(
+        long,
+        value_name = "TIME",
+        default_value = "0s",
+        value_parser = humantime::parse_duration,
+        conflicts_with = "local"
+    )]
+    pub(crate) wait: Duration,
     /// Floor plan in the ROS map server's format: the free space of every scene, which then
     /// must not have its own
     #[arg(long, value_name = "FILE.yaml")]

@@ -3,6 +3,7 @@
 mod arguments;
 mod csv;
 mod grey;
+mod list;
 mod map_scene;
 mod pictures;
 mod session;
@@ -19,6 +20,9 @@ fn main() -> ExitCode {
         let arguments = arguments::Arguments::parse();
         program::start_diagnostics(Diagnostics::Warnings);
         bus::forward_to_tracing();
-        Ok(session::run(&arguments)?)
+        match arguments.list {
+            true => Ok(list::run(arguments.format)?),
+            false => Ok(session::run(&arguments)?),
+        }
     })
 }

@@ -3,10 +3,10 @@
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use answer::Answerer;
-use bus::{CallError, Client, Wait};
+use bus::{CallError, Client, ConnectError, Domain, Wait};
 use configuration::{Config, ConfigError};
 use floor_plan::{FloorPlan, MapError};
 use program::{Exit, PrintError, warn};
@@ -52,13 +52,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Failure> {
     }
     let map = arguments.map.as_deref().map(|path| Map::read(path, arguments));
     let map = map.transpose()?;
-    let planner = Planner::new(arguments)?;
+    let planner = match Planner::new(arguments) {
+        Ok(planner) => planner,
+        Err(failure) => match asked_to_end(arguments) {
+            Some(signal) => return Ok(Exit::interrupted_by(signal)),
+            None => return Err(failure),
+        },
+    };
     let out = BufWriter::new(io::stdout().lock());
     let mut session = Session { arguments, map, planner, pictures, out, scenes: 0, refused: 0 };
     match session.run() {
         Ok(()) if session.refused == 0 => Ok(Exit::Done),
         Ok(()) => Ok(Exit::Failure),
-        Err(failure) => match session.planner.interrupted() {
+        Err(failure) => match asked_to_end(arguments) {
             Some(signal) => Ok(Exit::interrupted_by(signal)),
             None => Err(failure),
         },
@@ -82,21 +88,11 @@ impl Planner {
             return Ok(Self::Local { answerer, sequence: 0 });
         }
         let domain = arguments.domain.clone().unwrap_or_default();
-        let connected = Client::connect(&domain, Wait::Hybrid);
-        // Alone in the domain, it leaves nothing behind.
-        Ok(Self::Running(Box::new(connected.inspect_err(|_| domain.tidy())?)))
-    }
-
-    /// The signal that asked this process to end, unless that ended it at once.
-    fn interrupted(&self) -> Option<i32> {
-        match self {
-            Self::Local { .. } => None,
-            Self::Running(_) => bus::termination_signal(),
-        }
+        Ok(Self::Running(Box::new(connect(&domain, arguments.wait)?)))
     }
 
     fn reply(&mut self, scene: &SceneRequest, arguments: &Arguments) -> Result<Reply, CallError> {
-        if self.interrupted().is_some() {
+        if asked_to_end(arguments).is_some() {
             return Err(CallError::Interrupted);
         }
         match self {
@@ -111,6 +107,29 @@ impl Planner {
                 let content = RequestContent::Scene(scene.clone());
                 Ok(answerer.reply_to(&Request { key, sent_ns: 0, content }))
             }
+        }
+    }
+}
+
+/// The signal that asked this process to end. Where it takes part in no domain, signals end it at
+/// once.
+fn asked_to_end(arguments: &Arguments) -> Option<i32> {
+    if arguments.local { None } else { bus::termination_signal() }
+}
+
+/// Connects to the planner of a domain, if need be as soon as it has started.
+fn connect(domain: &Domain, wait: Duration) -> Result<Client, Failure> {
+    const LOOK: Duration = Duration::from_millis(50);
+    let begin = Instant::now();
+    loop {
+        match Client::connect(domain, Wait::Hybrid) {
+            Err(ConnectError::NoPlanner { .. }) if bus::terminated() => {
+                return Err(CallError::Interrupted.into());
+            }
+            Err(ConnectError::NoPlanner { .. }) if begin.elapsed() < wait => {
+                std::thread::sleep(LOOK.min(wait.saturating_sub(begin.elapsed())));
+            }
+            done => return Ok(done?),
         }
     }
 }

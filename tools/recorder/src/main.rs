@@ -27,6 +27,9 @@ If the recorder is killed, the file has everything up to the last flush; `replay
 finishes it. Messages that came too fast are counted; the count is printed and written to the
 file.
 
+Domains are found under CLEARWAY_ROOT; by default, under clearway in XDG_RUNTIME_DIR, or
+/tmp/clearway-UID. `plan --list` shows them.
+
 The summary goes to stdout, diagnostics to stderr; RUST_LOG chooses them (RUST_LOG=debug).
 Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost."
 )]
