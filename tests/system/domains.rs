@@ -76,6 +76,22 @@ fn a_wait_for_a_planner_ends_in_time_and_by_signals() {
     assert!(test.left().is_empty(), "{:?}", test.left());
 }
 
+#[test]
+fn clients_that_are_killed_while_they_start_leave_no_files_and_no_warnings() {
+    let test = TestDomain::new();
+    let planner = test.planner(&[]);
+    let name = test.domain().to_string();
+    for step in 0..40 {
+        let plan = test.start("plan", &["--domain", &name, &scene_path()], None);
+        std::thread::sleep(Duration::from_micros(300 * step));
+        plan.kill();
+    }
+    let ended = planner.stop();
+    assert_eq!(ended.code, Some(0));
+    assert!(!ended.stderr.contains("iceoryx2"), "{}", ended.stderr);
+    assert!(test.left().is_empty(), "{:?}", test.left());
+}
+
 /// A user that exists everywhere, and owns nothing.
 const NOBODY: u32 = 65534;
 
