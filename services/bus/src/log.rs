@@ -12,13 +12,10 @@ const MOST_ORIGIN: usize = 80;
 /// Longest message that is passed on; some have the whole configuration in them.
 const MOST_MESSAGE: usize = 240;
 
-/// How iceoryx2 says that it has found no configuration file: nobody is to have one.
-const NO_CONFIGURATION: &str = "No config file was loaded";
-
 struct ToTracing;
 
-/// From now on iceoryx2 logs warnings and errors through `tracing`, target `iceoryx2`. Whoever
-/// joins a domain does so by itself.
+/// From now on iceoryx2's errors go through `tracing`, target `iceoryx2`, and its warnings as
+/// diagnostics for developers (`debug`). Joining a domain calls this.
 pub fn forward_to_tracing() {
     static LOGGER: ToTracing = ToTracing;
     static ONCE: Once = Once::new();
@@ -33,16 +30,12 @@ impl iceoryx2_log::Log for ToTracing {
     fn log(&self, level: LogLevel, origin: Arguments, message: Arguments) {
         let origin = beginning(origin, MOST_ORIGIN);
         let message = beginning(message, MOST_MESSAGE);
-        let level = match message.starts_with(NO_CONFIGURATION) {
-            true => LogLevel::Debug,
-            false => level,
-        };
         match level {
-            LogLevel::Trace | LogLevel::Debug => {
+            // It warns of what the bus expects: no configuration file, peers that died half
+            // connected. What concerns users the bus says itself, with a cause.
+            LogLevel::Trace | LogLevel::Debug | LogLevel::Info | LogLevel::Warn => {
                 tracing::debug!(target: "iceoryx2", origin, "{message}");
             }
-            LogLevel::Info => tracing::info!(target: "iceoryx2", origin, "{message}"),
-            LogLevel::Warn => tracing::warn!(target: "iceoryx2", origin, "{message}"),
             LogLevel::Error | LogLevel::Fatal => {
                 tracing::error!(target: "iceoryx2", origin, "{message}");
             }
