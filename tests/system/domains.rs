@@ -1,7 +1,7 @@
 //! Domains: who is in them, whose they are, and waiting for a planner.
 
 use std::io::{BufRead, BufReader};
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -92,6 +92,30 @@ fn clients_that_are_killed_while_they_start_leave_no_files_and_no_warnings() {
     assert!(test.left().is_empty(), "{:?}", test.left());
 }
 
+#[test]
+fn the_root_is_the_users_runtime_directory_or_in_tmp() {
+    let runtime = tempfile::tempdir_in("/tmp").unwrap();
+    let user = std::fs::metadata("/proc/self").unwrap().uid();
+    let fallback = format!("/tmp/clearway-{user}");
+    let in_runtime = runtime.path().join("clearway").display().to_string();
+    for (mode, set, expected) in
+        [(0o700, true, &in_runtime), (0o755, true, &fallback), (0o700, false, &fallback)]
+    {
+        std::fs::set_permissions(runtime.path(), std::fs::Permissions::from_mode(mode)).unwrap();
+        let mut plan = Command::new(program("plan"));
+        plan.args(["--domain", "it-nowhere", &scene_path()]).env_remove("CLEARWAY_ROOT");
+        match set {
+            true => plan.env("XDG_RUNTIME_DIR", runtime.path()),
+            false => plan.env_remove("XDG_RUNTIME_DIR"),
+        };
+        let ended = plan.output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert!(said.contains(&format!("domain it-nowhere under {expected} ")), "{said}");
+        // A directory that nobody has chosen goes with the last.
+        assert!(!Path::new(&in_runtime).exists());
+    }
+}
+
 /// A user that exists everywhere, and owns nothing.
 const NOBODY: u32 = 65534;
 
@@ -160,9 +184,7 @@ fn in_memory(prefix: &str) -> Vec<PathBuf> {
 
 #[test]
 fn users_have_domains_of_their_own() {
-    let user =
-        std::fs::metadata("/proc/self").map(|found| std::os::unix::fs::MetadataExt::uid(&found));
-    if user.unwrap() != 0 {
+    if std::fs::metadata("/proc/self").unwrap().uid() != 0 {
         println!("SKIPPED: only root can start programs as another user");
         return;
     }

@@ -1,5 +1,6 @@
 //! Joining a domain, and leaving it.
 
+use std::fs::File;
 use std::ops::Deref;
 use std::time::Duration;
 
@@ -34,11 +35,13 @@ struct Stay {
     domain: Domain,
     site: Site,
     presence: Option<Presence>,
+    _kept: File,
 }
 
 impl Member {
     /// Clears away programs that died in the domain, if there are any. Cheap if there are none.
     pub(crate) fn sweep(&self) {
+        self.stay.site.renew();
         janitor::sweep(self.stay.domain.chosen_root(), &self.stay.site);
     }
 }
@@ -93,7 +96,8 @@ impl Domain {
             None => Site::create(root.path(), self.name()).map_err(failed)?,
         };
         let presence = Presence::show(&site, role).map_err(|error| failed(error.into()))?;
-        Ok(Stay { domain: self.clone(), site, presence: Some(presence) })
+        let kept = site.keep().map_err(|error| failed(error.into()))?;
+        Ok(Stay { domain: self.clone(), site, presence: Some(presence), _kept: kept })
     }
 
     /// Removes what is left of this domain if nobody lives in it.

@@ -75,8 +75,13 @@ pub enum RootProblem {
         "its file {0} is damaged; end the programs that use the domain, remove the file, and try again"
     )]
     Damaged(String),
+    /// It can't be made.
+    #[error(
+        "the directory that it would be in does not exist; make that, or set {ROOT_VARIABLE} to another"
+    )]
+    NoParent,
     /// The operating system refused.
-    #[error("{0}")]
+    #[error("{0}; set {ROOT_VARIABLE} to a directory where you can make files")]
     System(String),
 }
 
@@ -178,12 +183,14 @@ pub(crate) fn open(path: &Path, create: bool) -> Result<Option<File>, RootProble
                 check(&directory.metadata()?)?;
                 return Ok(Some(directory));
             }
-            Err(Errno::NOENT) if create => match DirBuilder::new().mode(0o700).create(path) {
-                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
-                    return Err(error.into());
-                }
-                _ => {}
-            },
+            Err(Errno::NOENT) if create => {
+                let made = DirBuilder::new().mode(0o700).create(path);
+                made.or_else(|error| match error.kind() {
+                    io::ErrorKind::AlreadyExists => Ok(()),
+                    io::ErrorKind::NotFound => Err(RootProblem::NoParent),
+                    _ => Err(error.into()),
+                })?;
+            }
             Err(Errno::NOENT) => return Ok(None),
             Err(Errno::ACCESS) => {
                 // Its owner is to be seen even so.
@@ -264,6 +271,7 @@ mod tests {
     #[test]
     fn paths_are_absolute_and_short() {
         assert_eq!(problem(Path::new("here")), RootProblem::Relative);
+        assert_eq!(problem(Path::new("/nowhere/at/all")), RootProblem::NoParent);
         let long = format!("/tmp/{}", "x".repeat(MOST_PATH));
         assert_eq!(problem(Path::new(&long)), RootProblem::Long { length: MOST_PATH + 5 });
     }

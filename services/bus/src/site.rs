@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use iceoryx2::prelude::{Config, FileName, Path as IoxPath, SemanticString};
+use rustix::fs::{AtFlags, CWD, FlockOperation, Timespec, Timestamps, UTIME_NOW};
 
 use crate::root::RootProblem;
 
@@ -106,6 +107,22 @@ impl Site {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
             Err(error) => Err(error),
         }
+    }
+
+    /// Keeps what removes old files, as systemd does in `/tmp`, from the directory for as long as
+    /// the result is open: it leaves alone what is locked.
+    pub(crate) fn keep(&self) -> io::Result<File> {
+        let directory = File::open(self.directory())?;
+        rustix::fs::flock(&directory, FlockOperation::LockShared)?;
+        Ok(directory)
+    }
+
+    /// Makes the file that leads here look new.
+    pub(crate) fn renew(&self) {
+        let now = Timespec { tv_sec: 0, tv_nsec: UTIME_NOW };
+        let now = Timestamps { last_access: now, last_modification: now };
+        let file = settings(&self.root, &self.name);
+        let _ = rustix::fs::utimensat(CWD, file, &now, AtFlags::SYMLINK_NOFOLLOW);
     }
 
     /// Takes from others what another version of iceoryx2 gave them.

@@ -115,3 +115,17 @@ fn a_sweep_with_nothing_to_do_is_cheap() {
     println!("a sweep among {} takes {least:?}", members.len());
     assert!(least < Duration::from_micros(100), "{least:?}");
 }
+
+#[test]
+fn what_removes_old_files_leaves_a_domain_alone() {
+    let root = TestRoot::new();
+    let member = Domain::new("old").unwrap().under(root.path()).join("test").unwrap();
+    let directory = File::open(member.stay.site.directory()).unwrap();
+    let lock = rustix::fs::FlockOperation::NonBlockingLockExclusive;
+    assert!(rustix::fs::flock(&directory, lock).is_err(), "it is locked");
+    let file = File::open(root.path().join("old.toml")).unwrap();
+    file.set_modified(std::time::UNIX_EPOCH).unwrap();
+    member.sweep();
+    let age = file.metadata().unwrap().modified().unwrap().elapsed().unwrap();
+    assert!(age < Duration::from_secs(60), "{age:?}");
+}
