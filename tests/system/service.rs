@@ -172,7 +172,7 @@ fn a_deadline_holds_while_planning_and_in_the_queue() {
     let reply = late.call(&queued, LONG).unwrap();
     let took = begun.elapsed();
     assert_eq!(code(&reply), Some(ErrorCode::DeadlineExceeded), "{reply:?}");
-    println!("refused {:?} after it was sent, due after 50 ms", took);
+    println!("refused {took:?} after it was sent, due after 50 ms");
     assert!(took >= Duration::from_millis(50));
 }
 

@@ -64,6 +64,7 @@ impl Visitor {
     pub(crate) const PLANNER: &str = "planner";
     pub(crate) const CLIENT: &str = "client";
     pub(crate) const RECORDER: &str = "recorder";
+    pub(crate) const WATCHER: &str = "watcher";
 
     /// Forgets one that died, under the lock of the root.
     pub(crate) fn forget(&self) {

@@ -126,7 +126,7 @@ impl Server {
                 // The one before may be dying just now.
                 Err(ServerCreateError::ExceedsMaxSupportedServers) if Instant::now() < patience => {
                     std::thread::sleep(Duration::from_millis(5));
-                    node.try_cleanup_dead_nodes();
+                    node.sweep();
                 }
                 done => break done.map_err(port)?,
             }

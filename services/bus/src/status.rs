@@ -9,9 +9,11 @@ use iceoryx2::prelude::{AllocationStrategy, ipc};
 
 use crate::cause::Cause;
 use crate::connect;
-use crate::domain::{Domain, Tidy};
+use crate::domain::Domain;
 use crate::error::ConnectError;
+use crate::member::Member;
 use crate::ports;
+use crate::presence::Visitor;
 use crate::wait;
 
 /// The planner's end.
@@ -44,13 +46,14 @@ impl StatusWriter {
 #[derive(Debug)]
 pub struct StatusReader {
     port: Subscriber<ipc::Service, [u8], ()>,
-    _tidy: Tidy,
+    /// Stays in the domain for as long as the port is open.
+    _node: Member,
 }
 
 impl StatusReader {
     /// Listens to the planner of a domain.
     pub fn connect(domain: &Domain) -> Result<Self, ConnectError> {
-        let node = domain.join("status")?;
+        let node = domain.join(Visitor::WATCHER)?;
         let failed = |cause| connect::failed(&node, domain, connect::STATUS, cause);
         let service = ports::open_status(&node).map_err(failed)?;
         let port = service.subscriber_builder().create();
@@ -58,7 +61,7 @@ impl StatusReader {
             Cause::Full => connect::full(domain, connect::WATCHERS, ports::WATCHERS),
             cause => failed(cause),
         })?;
-        Ok(Self { port, _tidy: Tidy(domain.clone()) })
+        Ok(Self { port, _node: node })
     }
 
     /// The next text, if there is one.
