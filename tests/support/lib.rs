@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub use domain::TestDomain;
-pub use process::{Ended, Process, kill_group, kill_process};
+pub use process::{Ended, Process, kill_group, kill_pid, kill_process};
 pub use programs::program;
 pub use rustix::process::Signal;
 

@@ -30,6 +30,12 @@ pub fn kill_process(child: &Child, signal: Signal) {
     rustix::process::kill_process(Pid::from_child(child), signal).expect("the process is there");
 }
 
+/// Sends a signal to a process that one of this test has started.
+pub fn kill_pid(process: u32, signal: Signal) {
+    let pid = i32::try_from(process).ok().and_then(Pid::from_raw).expect("a process");
+    rustix::process::kill_process(pid, signal).expect("the process is there");
+}
+
 /// Sends a signal to a process of this test and all of its process group, as a terminal does.
 pub fn kill_group(leader: &Child, signal: Signal) {
     rustix::process::kill_process_group(Pid::from_child(leader), signal).expect("it leads a group");

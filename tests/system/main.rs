@@ -7,6 +7,7 @@ mod demo;
 mod domains;
 mod end_to_end;
 mod golden;
+mod hostile;
 mod plan;
 mod planner;
 mod read;

@@ -229,5 +229,6 @@ pub fn most_memory(options: &ServerOptions) -> u64 {
         options.max_recorders.saturating_mul(options.tap_buffer.saturating_add(TAP_BORROWED)) + 1;
     let message = (wire::PART_CELLS * 8 + 512) as u64;
     let messages = parts.saturating_add(previous_parts(parts)).saturating_add(tap_messages);
-    (messages as u64).saturating_mul(message)
+    let statuses = (2 * WATCHERS + 2) * (STATUS_BYTES + 512);
+    (messages as u64).saturating_mul(message).saturating_add(statuses as u64)
 }

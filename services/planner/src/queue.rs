@@ -192,6 +192,8 @@ mod tests {
                         let place = list.iter().position(|entry| entry.0 == ticket);
                         prop_assert_eq!(queue.remove(ticket).is_some(), place.is_some());
                         place.map(|place| list.remove(place));
+                        passed_over
+                            .retain(|(client, _)| list.iter().any(|entry| entry.1 == *client));
                     }
                 }
                 let bytes = list.iter().map(|entry| entry.2 * 8).sum();

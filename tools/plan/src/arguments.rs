@@ -38,13 +38,19 @@ Exit codes: 0 every scene has a trajectory, 1 a scene was refused or something f
 )]
 pub(crate) struct Arguments {
     /// Scene files; `-` reads any number of scenes from stdin
-    #[arg(required_unless_present = "list", value_name = "SCENE.json")]
+    #[arg(required_unless_present_any = ["list", "status", "ping"], value_name = "SCENE.json")]
     pub(crate) scenes: Vec<PathBuf>,
     /// List this user's domains: planner, clients, recorders, and where their files are
     #[arg(long, conflicts_with_all = [
         "scenes", "domain", "map", "local", "svg", "overwrite", "timeout", "wait",
     ])]
     pub(crate) list: bool,
+    /// Print what the planner says of itself: requests, refusals, queue, workers, cache, latency
+    #[arg(long, conflicts_with_all = ["scenes", "list", "ping", "map", "local", "svg", "overwrite"])]
+    pub(crate) status: bool,
+    /// Ask the planner for a small trajectory ten times, and print how long that takes
+    #[arg(long, conflicts_with_all = ["scenes", "list", "map", "local", "svg", "overwrite"])]
+    pub(crate) ping: bool,
     /// The planner's domain
     #[arg(long, value_name = "NAME")]
     pub(crate) domain: Option<Domain>,

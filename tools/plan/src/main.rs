@@ -3,6 +3,7 @@
 mod arguments;
 mod csv;
 mod grey;
+mod health;
 mod list;
 mod map_scene;
 mod pictures;
@@ -12,17 +13,20 @@ mod stream;
 
 use std::process::ExitCode;
 
+use arguments::Arguments;
 use clap::Parser;
 use program::Diagnostics;
 
 fn main() -> ExitCode {
     program::main("plan", || {
-        let arguments = arguments::Arguments::parse();
+        let arguments = Arguments::parse();
         program::start_diagnostics(Diagnostics::Warnings);
         bus::forward_to_tracing();
-        match arguments.list {
-            true => Ok(list::run(arguments.format)?),
-            false => Ok(session::run(&arguments)?),
+        match &arguments {
+            Arguments { list: true, format, .. } => Ok(list::run(*format)?),
+            Arguments { status: true, .. } => Ok(health::status(&arguments)?),
+            Arguments { ping: true, .. } => Ok(health::ping(&arguments)?),
+            _ => Ok(session::run(&arguments)?),
         }
     })
 }

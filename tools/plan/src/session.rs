@@ -118,7 +118,7 @@ fn asked_to_end(arguments: &Arguments) -> Option<i32> {
 }
 
 /// Connects to the planner of a domain, if need be as soon as it has started.
-fn connect(domain: &Domain, wait: Duration) -> Result<Client, Failure> {
+pub(crate) fn connect(domain: &Domain, wait: Duration) -> Result<Client, Failure> {
     const LOOK: Duration = Duration::from_millis(50);
     let begin = Instant::now();
     loop {

@@ -19,6 +19,8 @@ fn check_announced(options: &ServerOptions) {
 
 #[test]
 fn the_announced_memory_is_what_can_be_used() {
+    let default = ServerOptions::default();
+    assert!(default.max_clients >= 64 && most_memory(&default) <= 128_000_000);
     check_announced(&ServerOptions::default());
     let (max_clients, requests_per_client, tap_buffer) = (3, 1, 16);
     let small =
