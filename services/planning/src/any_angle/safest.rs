@@ -18,13 +18,15 @@ const GAPS: usize = 32;
 const BESIDE: f64 = 1e-6;
 
 /// What a rectangle keeps beside an end is mostly less than this times what a disc keeps.
-const LITTLE_MORE: f64 = 1.25;
+const MUCH_MORE: f64 = 8.0;
 
 /// Gaps about which the best is looked for closely.
 const PEAKS: usize = 3;
 
-/// Searches between poses first try to get these parts nearer to all that a disc keeps.
-const FIRST_PARTS: [f64; 3] = [1.0 / 32.0, 1.0 / 1024.0, 1.0 / 32768.0];
+/// Searches between poses first try to get this part nearer to all that a disc keeps, and then so
+/// many times more.
+const FIRST_PART: f64 = 1.0 / 4096.0;
+const GROWTH: f64 = 6.0;
 
 /// Lines between places to turn may be found for more clearance and not for less: so many steps
 /// of this part more than the best are looked at, and that so often.
@@ -33,12 +35,12 @@ const STEP_ON: f64 = 1.0 / 256.0;
 const ROUNDS: usize = 4;
 
 /// Steps of the budget after which no further search over poses begins.
-const MOST_STEPS: u64 = 60_000_000;
+const MOST_STEPS: u64 = 100_000_000;
 
 /// Searches over poses come as near to the most they can keep as this part of it.
 const LAST_PART: f64 = 1e-3;
 
-/// Finds the motion with the greatest free clearance; of those within 1e-9 m of it, where any
+/// Finds the motion with the greatest free clearance; of those that have it but for rounding, where any
 /// heading will do at the goal, that with the greatest clearance there; and of those the least
 /// costly.
 pub(super) fn safest(
@@ -68,10 +70,10 @@ pub(super) fn keeping(
     budget: &Budget<'_>,
 ) -> Result<(), NoMotion> {
     let mut search = SafestSearch::new(errand, Some(least), planner, budget);
-    // Beside an end a rectangle keeps little more than a disc, if anything.
+    // Beside an end a rectangle keeps more than a disc, but not that much more.
     let width = errand.footprint.width();
     search.is_brief = matches!(refused, NoMotion::TooNarrow { has, .. }
-        if 2.0 * least > LITTLE_MORE * (has - width));
+        if 2.0 * least > MUCH_MORE * (has - width));
     search.search()?;
     match (search.enough, search.spent) {
         (Some(enough), _) => *found = enough.motion,
@@ -129,6 +131,9 @@ struct Contender {
 struct SafestSearch<'a, 'b> {
     errand: &'a Errand<'a>,
     planner: &'a mut Planner,
+    /// The greatest free clearance found, metres.
+    top: f64,
+    /// The best motion of those that have it but for rounding.
     best: Option<Contender>,
     /// What is enough, and the least costly motion that has it.
     least: Option<f64>,
@@ -155,6 +160,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         Self {
             errand,
             planner,
+            top: 0.0,
             best: None,
             least,
             enough: None,
@@ -300,15 +306,25 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             }
             search.try_search(rung, least)
         };
-        let mut high = most;
-        for part in FIRST_PARTS {
-            let first = low + part * (most - low);
-            if let Some(found) = look(self, first)? {
-                return self.halve(found.free.max(first), high, precision, look);
-            }
-            high = first;
-            if high - low <= precision {
+        // A search that finds nothing takes the longest.
+        let (mut known, mut high, mut part) = (low, most, FIRST_PART);
+        while part < 1.0 && self.enough.is_none() {
+            let least = low + part * (most - low);
+            let Some(found) = look(self, least)? else {
+                high = least;
                 break;
+            };
+            known = found.free.max(least);
+            part = GROWTH * part.max((known - low) / (most - low));
+        }
+        if known > low {
+            self.halve(known, high, precision, look)?;
+        }
+        // What is not found with some clearance may be found with more.
+        for step in 1..=STEPS_ON {
+            let least = high + step as f64 * STEP_ON * high;
+            if rung == Rung::Lattice && least < most && self.enough.is_none() {
+                look(self, least)?;
             }
         }
         Ok(())
@@ -354,7 +370,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
     }
 
     fn best_free(&self) -> f64 {
-        self.best.as_ref().map_or(0.0, |best| best.safety.free)
+        self.top
     }
 
     /// How safe the motion is that keeps this, if there is one.
@@ -417,7 +433,12 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         {
             self.enough = Some(found.clone());
         }
-        if self.best.as_ref().is_none_or(|best| found.is_better_than(best)) {
+        self.top = self.top.max(free);
+        let least = self.top - PRECISION / 2.0;
+        let is_beaten = self.best.as_ref().is_some_and(|best| best.safety.free < least);
+        if free >= least
+            && (is_beaten || self.best.as_ref().is_none_or(|best| found.is_better_than(best)))
+        {
             self.best = Some(found);
         }
         Ok(safety)
@@ -456,8 +477,9 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
 }
 
 impl Contender {
+    /// Of two that are as free.
     fn is_better_than(&self, other: &Self) -> bool {
-        let safety = self.safety.compare(&other.safety);
-        safety.is_gt() || safety.is_eq() && self.cost < other.cost
+        let apart = self.safety.clearance - other.safety.clearance;
+        apart > PRECISION || apart.abs() <= PRECISION && self.cost < other.cost
     }
 }
