@@ -10,6 +10,8 @@ use super::planner::Planner;
 use super::taut::{TautPath, TurnRadii};
 use super::{Abilities, Errand, NoMotion, PRECISION, RobotMotion, backwards, bound, fuse, refusal};
 use crate::budget::{Budget, Spent};
+use crate::driving::StartTurn;
+
 use crate::motion::{Curve, Leg, Rung};
 
 /// Radii tried between that of the taut path and that at which the robot can turn anywhere.
@@ -213,6 +215,7 @@ pub(super) fn poses(
         let Some(curves) = search(errand, kept, &mut planner.lattice, budget)? else {
             continue;
         };
+        let Some(curves) = set_out(errand, curves) else { continue };
         let is_reverse = curves.iter().any(Curve::is_reverse);
         let rung = if is_reverse && rung == Rung::Aligned { Rung::Reverse } else { rung };
         let leg = |curve| Leg { curve, junction: None, rule: None, rung: Some(rung) };
@@ -223,6 +226,28 @@ pub(super) fn poses(
         }
     }
     Ok(false)
+}
+
+/// The curves of a robot that takes up its first heading as it is asked to: in place, or on its
+/// first line; `None` if it sets out otherwise.
+fn set_out(errand: &Errand<'_>, mut curves: Vec<Curve<2>>) -> Option<Vec<Curve<2>>> {
+    let Some(Curve::Turn { sweep, .. }) = curves.first().copied() else { return Some(curves) };
+    if errand.start_turn == StartTurn::InPlace || curves.len() == 1 {
+        return Some(curves);
+    }
+    let first = match curves[1] {
+        Curve::Line { from, to, heading, .. } if !curves[1].is_reverse() => {
+            Curve::Line { from, to, heading, turned: sweep }
+        }
+        _ => return None,
+    };
+    // More than a quarter turn off, it begins backwards.
+    if first.is_reverse() && !errand.abilities.reverse {
+        return None;
+    }
+    curves[1] = first;
+    curves.remove(0);
+    Some(curves)
 }
 
 /// The taut motion, or one about larger circles, all forwards; whether it is taut.
