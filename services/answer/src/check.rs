@@ -113,7 +113,8 @@ pub(crate) fn gaps_per_axis(field: String, has: usize, needs: usize) -> Refusal 
     Refusal { has: Some(has as f64), needs: Some(needs as f64), ..refusal }
 }
 
-/// A simple polygon, in the memory of `vertices`; [`Polygon::into_vertices`] gives it back.
+/// A simple polygon, in the memory of `vertices`; [`Polygon::into_vertices`] gives it back. Points
+/// that repeat the one before, or close the outline, are left out.
 pub(crate) fn polygon(
     field: impl Fn() -> String,
     points: &[message::Vector],
@@ -129,7 +130,19 @@ pub(crate) fn polygon(
             in_range(|| format!("{}[{index}]", field()), vertex.as_slice())?;
         }
     }
-    Polygon::new(vertices, budget).map_err(|error| match error {
+    let given = vertices.len();
+    vertices.dedup();
+    if vertices.len() > 1 && vertices.first() == vertices.last() {
+        vertices.pop();
+    }
+    let repeats = given - vertices.len();
+    let made = Polygon::new(vertices, budget).or_else(|error| match error {
+        PolygonError::Spent(_) => Err(error),
+        // What is wrong otherwise is said of the points as they are given.
+        _ if repeats > 0 => Polygon::new(points.iter().map(vector::<2>).collect(), budget),
+        _ => Err(error),
+    });
+    made.map_err(|error| match error {
         PolygonError::Spent(spent) => spent.into(),
         error => {
             let field = field();

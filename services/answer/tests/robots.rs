@@ -52,6 +52,69 @@ fn refusal(scene: &str) -> Refusal {
     reply(scene).answers.expect_err("the scene is refused")
 }
 
+/// The same outlines with points given twice, points within edges, and the first point again.
+#[test]
+fn points_that_repeat_or_lie_on_edges_change_nothing() {
+    let plain = trajectory(ANYWHERE);
+    for outline in [
+        "[[4, 2], [4, 2], [5, 2], [5, 8], [4, 8], [4, 8], [4, 8]]",
+        "[[4, 2], [5, 2], [5, 8], [4, 8], [4, 2]]",
+        "[[4, 2], [4.5, 2], [5, 2], [5, 3], [5, 4], [5, 8], [4, 8], [4, 5]]",
+        "[[4, 2], [4.5, 2], [4.5, 2], [5, 2], [5, 8], [4, 8], [4, 5], [4, 2], [4, 2]]",
+    ] {
+        let scene = replaced(ANYWHERE, "[[4, 2], [5, 2], [5, 8], [4, 8]]", outline);
+        let other = trajectory(&scene);
+        assert!((other.length - plain.length).abs() < 1e-12, "{outline}: {}", other.length);
+        let [near, other_near] = [&plain, &other].map(|trajectory| trajectory.clearance.value);
+        assert!((near - other_near).abs() < 1e-12, "{outline}: {other_near}");
+        assert_eq!(other.legs.len(), plain.legs.len());
+    }
+    // All in one place is no outline, whatever is left out.
+    let scene = replaced(ANYWHERE, "[[4, 2], [5, 2], [5, 8], [4, 8]]", "[[4, 2], [4, 2], [4, 2]]");
+    check_refused(&scene, "free_space.solids[0].polygon", "no area");
+}
+
+/// Out of a bay that is narrower than the turning circle, at any angle: straight out, a turn, and
+/// straight to the goal, as where the walls are parallel to the axes.
+#[test]
+fn turned_bay_is_left_as_the_unturned_one() {
+    let scene = |degrees: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let place = |[x, y]: [f64; 2]| format!("[{}, {}]", cos * x - sin * y, sin * x + cos * y);
+        let solid = |[left, low, right, high]: [f64; 4]| {
+            let corners = [[left, low], [right, low], [right, high], [left, high]];
+            format!(r#"{{ "polygon": [{}] }}"#, corners.map(place).join(", "))
+        };
+        let solids = [
+            [0.0, 0.0, 4.65, 2.0],
+            [5.35, 0.0, 10.0, 2.0],
+            [-1.0, -1.0, 11.0, 0.0],
+            [-1.0, 5.0, 11.0, 6.0],
+            [-1.0, 0.0, 0.0, 5.0],
+            [10.0, 0.0, 11.0, 5.0],
+        ];
+        format!(
+            r#"{{ "task": "drive", "free_space": {{ "solids": [{}],
+                "bounds": {{ "min": [-20, -20], "max": [20, 20] }} }},
+                "body": {{ "footprint": {{ "width": 0.6, "length": 1.2 }} }},
+                "start": {{ "position": {}, "heading": {} }}, "goal": {{ "position": {} }},
+                "clearance": {{ "gap": 0.02 }}, "sampling": {{ "period": 0.05 }} }}"#,
+            solids.map(solid).join(", "),
+            place([5.0, 0.8]),
+            std::f64::consts::FRAC_PI_2 + degrees.to_radians(),
+            place([9.0, 3.5]),
+        )
+    };
+    let plain = trajectory(&scene(0.0));
+    assert!(plain.length <= 6.7 && plain.clearance.value >= 0.02 - 1e-9);
+    for degrees in (10..90).step_by(10) {
+        let other = trajectory(&scene(f64::from(degrees)));
+        assert!((other.length - plain.length).abs() < 1e-9 * plain.length, "{degrees}");
+        assert!((other.clearance.value - plain.clearance.value).abs() < 1e-9, "{degrees}");
+        assert_eq!(other.legs.len(), plain.legs.len());
+    }
+}
+
 #[track_caller]
 fn check_refused(scene: &str, field: &str, words: &str) -> Refusal {
     let refusal = refusal(scene);
