@@ -54,6 +54,7 @@ pub use list::{DomainStatus, PlannerStatus, domains};
 pub use log::forward_to_tracing;
 pub use options::{ReplyOptions, ServerOptions};
 pub use ports::most_memory;
+pub use presence::SUPERVISOR_VARIABLE;
 pub use root::{ROOT_VARIABLE, RootError, RootProblem};
 pub use server::{ClientWatch, Incoming, ReplySink, Server, Waker};
 pub use status::StatusReader;

@@ -16,6 +16,9 @@ use rustix::io::Errno;
 
 use crate::site::{self, Site};
 
+/// The environment variable that tells a supervised planner the process of its supervisor.
+pub const SUPERVISOR_VARIABLE: &str = "CLEARWAY_SUPERVISOR";
+
 /// This program's file. Dropping it says that the program has left.
 #[derive(Debug)]
 pub(crate) struct Presence {
@@ -41,7 +44,11 @@ impl Presence {
     /// Shows that this program is in a domain, under the lock of the root.
     pub(crate) fn show(site: &Site, role: &str) -> io::Result<Self> {
         let random = getrandom::u64().map_err(|error| io::Error::other(error.to_string()))?;
-        let process = std::process::id();
+        // Of a supervised planner it is the supervisor: whom people started, and can signal.
+        let supervisor =
+            std::env::var(SUPERVISOR_VARIABLE).ok().filter(|_| role == Visitor::PLANNER);
+        let supervisor = supervisor.and_then(|process| process.parse().ok());
+        let process = supervisor.unwrap_or_else(std::process::id);
         let path = site.visitors().join(format!("{}-{process}-{role}-{random:016x}", *HOST));
         let file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&path)?;
         // Somebody may be looking whether it is locked, which takes microseconds.

@@ -8,14 +8,12 @@ use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
+use bus::SUPERVISOR_VARIABLE;
 use program::Exit;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{
     Pid, PidfdFlags, Signal, getppid, kill_process, pidfd_open, set_parent_process_death_signal,
 };
-
-/// Set for the process that serves: its supervisor's number.
-const SUPERVISOR: &str = "CLEARWAY_SUPERVISOR";
 
 /// How long the process that serves has to end beyond its grace.
 const BEYOND_GRACE: Duration = Duration::from_millis(900);
@@ -36,7 +34,7 @@ const PANICKED: i32 = 101;
 ///
 /// If no process can be started or watched.
 pub fn supervise(grace: Duration) -> std::io::Result<Option<Exit>> {
-    if let Some(supervisor) = std::env::var_os(SUPERVISOR) {
+    if let Some(supervisor) = std::env::var_os(SUPERVISOR_VARIABLE) {
         // Whoever kills the supervisor means the planner.
         set_parent_process_death_signal(Some(Signal::KILL))?;
         let lives = getppid().is_some_and(|parent| {
@@ -75,7 +73,7 @@ fn start() -> std::io::Result<Child> {
     let program = std::env::current_exe().ok().filter(|path| path.is_file());
     Command::new(program.unwrap_or_else(|| "/proc/self/exe".into()))
         .args(std::env::args_os().skip(1))
-        .env(SUPERVISOR, std::process::id().to_string())
+        .env(SUPERVISOR_VARIABLE, std::process::id().to_string())
         .spawn()
 }
 

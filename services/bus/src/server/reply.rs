@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::identifiers::UniqueClientId;
 use iceoryx2::port::{LoanError, SendError};
-use iceoryx2::prelude::ipc;
+use iceoryx2::prelude::{PayloadHeader, ipc};
 use iceoryx2::response_mut_uninit::ResponseMutUninit;
 use schemas::convert::{CellWriter, PartSink};
 use schemas::wire::{self, previous};
@@ -46,6 +46,15 @@ impl Active {
             Self::Current(active) => active.is_connected(),
             Self::Previous(active) => active.is_connected(),
         }
+    }
+
+    /// How many cells the sender says that the payload has, whatever there is.
+    fn claimed(&self) -> usize {
+        let count = match self {
+            Self::Current(active) => active.header().number_of_elements(),
+            Self::Previous(active) => active.header().number_of_elements(),
+        };
+        usize::try_from(count).unwrap_or(usize::MAX)
     }
 
     /// The request's payload, the same in both versions. Its length is what the sender says.
@@ -138,7 +147,12 @@ impl Incoming {
         cells: &mut Vec<u64>,
     ) -> Result<wire::RequestHeader, ReceiveError> {
         cells.clear();
-        // The length is read once: its sender can change it.
+        // iceoryx2 computes with the count.
+        let claimed = self.active.claimed();
+        if claimed > most {
+            return Err(ReceiveError::TooLarge { cells: claimed, most });
+        }
+        // From here on the length is read once: its sender can change it.
         let payload = self.active.payload();
         if payload.len() > most {
             return Err(ReceiveError::TooLarge { cells: payload.len(), most });
@@ -156,7 +170,7 @@ impl Incoming {
 
     /// How many cells the request says that it has.
     pub fn cells(&self) -> usize {
-        self.active.payload().len()
+        self.active.claimed()
     }
 
     pub(super) fn client_id(&self) -> UniqueClientId {
