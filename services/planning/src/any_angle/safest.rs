@@ -221,8 +221,9 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         self.halve(self.best_free(), most, PRECISION, |search, least| {
             search.try_target(at_least(least))
         })?;
-        let is_blocked = self.blocked_gap.is_some();
-        if self.enough.is_none() && (is_blocked || self.long_gaps[0] > 0.0) {
+        // Lines between places to turn keep more than arcs in many a place, and are what
+        // `at_least` would find there.
+        if self.enough.is_none() {
             self.try_poses(Rung::Aligned, most, PRECISION)?;
             self.step_on(most)?;
         }
