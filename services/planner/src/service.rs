@@ -1,7 +1,7 @@
 //! The sequencer: one thread that owns the bus, takes requests in turn and sends their replies.
 //!
 //! A request is answered here at once as long as that is quick: handing it to a worker takes longer
-//! than most answers. One that turns out long is begun anew by a worker ([`crate::workers`]), whose
+//! than most answers. One that turns out long is begun anew by a worker (`workers.rs`), whose
 //! parts come back here to be sent. Nothing in this thread waits for a client or for a worker.
 
 use std::collections::BTreeMap;
