@@ -3,10 +3,11 @@
 use std::cmp::Ordering;
 
 use super::disc::disc_of;
-use super::ladder::{LONG, LastRung, NEAR, Target, poses, shortest};
+use super::ladder::{LONG, LastRung, Target, poses, shortest};
 use super::lattice;
 use super::measure::{cost, measure};
 use super::planner::Planner;
+use super::taut::TurnRadii;
 use super::{Errand, LEAST_GAP, NoMotion, PRECISION, RobotMotion, bound, refusal};
 use crate::budget::{Budget, Cap, Spent};
 use crate::motion::{Leg, Rung};
@@ -100,6 +101,11 @@ fn with_gap(gap: f64) -> Target {
     Target { gap, least: None, last: LastRung::Aligned }
 }
 
+/// Whether a motion of this rung leads from pose to pose.
+fn is_between_poses(rung: Option<Rung>) -> bool {
+    !matches!(rung, None | Some(Rung::Taut | Rung::Radius))
+}
+
 /// How safe a motion is.
 #[derive(Debug, Clone, Copy)]
 struct Safety {
@@ -141,8 +147,8 @@ struct SafestSearch<'a, 'b> {
     refused: Option<NoMotion>,
     /// A gap with which the robot was blocked, metres.
     blocked_gap: Option<f64>,
-    /// The largest gap with which the ladder would go on to lines, and to poses.
-    long_gaps: [f64; 2],
+    /// The largest gap with which the ladder would go on to poses, metres.
+    long_gap: f64,
     /// Whether gaps alone are tried.
     is_brief: bool,
     /// What ended the search before its end.
@@ -166,7 +172,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             enough: None,
             refused: None,
             blocked_gap: None,
-            long_gaps: [0.0; 2],
+            long_gap: 0.0,
             is_brief: false,
             spent: None,
             budget,
@@ -201,9 +207,17 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
     fn run(&mut self) -> Result<(), NoMotion> {
         let Self { errand, budget, .. } = *self;
         let half = errand.footprint.width() / 2.0;
-        // Nothing keeps more than the widest disc.
-        let most = errand.floor.extent();
-        let widest = refusal::widest(errand, most, self.planner, budget)?;
+        // Nothing keeps more than the widest disc. It is found to a part of where the search begins.
+        let (mut most, extent) = (2.0 * half, errand.floor.extent());
+        while most < extent {
+            let disc = disc_of(errand, most, budget)?;
+            let path = self.planner.bounds.find(errand.floor, &disc, TurnRadii::DISC, budget)?;
+            if path.is_none() {
+                break;
+            }
+            most *= 2.0;
+        }
+        let widest = refusal::widest(errand, most.min(extent), self.planner, budget)?;
         let Some((widest, _)) = widest.filter(|(widest, _)| *widest > half) else {
             return Err(no_way(errand, self.planner, budget)?);
         };
@@ -221,8 +235,6 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         self.halve(self.best_free(), most, PRECISION, |search, least| {
             search.try_target(at_least(least))
         })?;
-        // Lines between places to turn keep more than arcs in many a place, and are what
-        // `at_least` would find there.
         if self.enough.is_none() {
             self.try_poses(Rung::Aligned, most, PRECISION)?;
             self.step_on(most)?;
@@ -237,7 +249,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             .best
             .as_ref()
             .is_some_and(|best| best.motion.legs.iter().any(|leg| leg.rung == Some(Rung::Lattice)));
-        let most = if is_from_poses { most } else { self.long_gaps[1].min(most) };
+        let most = if is_from_poses { most } else { self.long_gap.min(most) };
         if self.enough.is_none() {
             self.try_poses(Rung::Lattice, most, LAST_PART * most)?;
             self.widen()?;
@@ -248,12 +260,14 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
     /// Leads the best motion, if it is one of straight legs, farther from the walls.
     fn widen(&mut self) -> Result<(), NoMotion> {
         let Self { errand, budget, .. } = *self;
-        let Some(best) = &self.best else { return Ok(()) };
-        let legs = &best.motion.legs;
-        let Some(Leg { rung, .. }) = legs.first().copied() else { return Ok(()) };
-        if self.enough.is_some() || matches!(rung, Some(Rung::Taut | Rung::Radius)) {
+        let rung = self.best_rung();
+        let Some(best) = self.best.as_ref().filter(|_| is_between_poses(rung)) else {
+            return Ok(());
+        };
+        if self.enough.is_some() {
             return Ok(());
         }
+        let legs = &best.motion.legs;
         let Some(curves) = lattice::widened(errand, legs, budget)? else { return Ok(()) };
         let mut motion = RobotMotion { is_complete: true, ..RobotMotion::default() };
         motion.gap = best.motion.gap;
@@ -334,6 +348,9 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
     /// Looks for lines with a little more clearance than the best.
     fn step_on(&mut self, most: f64) -> Result<(), NoMotion> {
         for _ in 0..ROUNDS {
+            if !is_between_poses(self.best_rung()) {
+                break;
+            }
             self.widen()?;
             let low = self.best_free();
             for step in 1..=STEPS_ON {
@@ -370,6 +387,10 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         Ok(())
     }
 
+    fn best_rung(&self) -> Option<Rung> {
+        self.best.as_ref()?.motion.legs.first()?.rung
+    }
+
     fn best_free(&self) -> f64 {
         self.top
     }
@@ -380,16 +401,8 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         match shortest(self.errand, target, self.planner, &mut motion, self.budget) {
             Ok(()) => {
                 let taut = motion.taut_length.unwrap_or(f64::INFINITY);
-                if target.least.is_none() {
-                    let first = motion.legs.first().and_then(|leg| leg.rung);
-                    if !matches!(first, Some(Rung::Taut | Rung::Radius)) {
-                        self.long_gaps[0] = self.long_gaps[0].max(target.gap);
-                    }
-                    for (long, factor) in self.long_gaps.iter_mut().zip([NEAR, LONG]) {
-                        if motion.length > factor * taut {
-                            *long = long.max(target.gap);
-                        }
-                    }
+                if target.least.is_none() && motion.length > LONG * taut {
+                    self.long_gap = self.long_gap.max(target.gap);
                 }
                 self.offer(motion).map(Some)
             }

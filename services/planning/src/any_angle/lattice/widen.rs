@@ -20,7 +20,7 @@ const STEPS_PER_MOVE: u64 = 10;
 
 /// A leg, or the turn at a point.
 #[derive(Debug, Clone, Copy)]
-enum Stretch {
+enum WayPiece {
     Leg(usize),
     Turn(usize),
 }
@@ -32,8 +32,8 @@ pub(super) fn widen(way: &mut Way, probe: &Probe<'_>) -> Result<(), Spent> {
     let mut step = FIRST_STEP * probe.swing;
     while step > LAST_STEP * probe.swing {
         for _ in 0..MOST_MOVES {
-            let mut worst: Option<(f64, Stretch)> = None;
-            let pieces = (0..count).map(Stretch::Leg).chain((0..=count).map(Stretch::Turn));
+            let mut worst: Option<(f64, WayPiece)> = None;
+            let pieces = (0..count).map(WayPiece::Leg).chain((0..=count).map(WayPiece::Turn));
             for piece in pieces {
                 let kept = kept(way, piece, probe)?;
                 if worst.is_none_or(|(least, _)| kept < least - WORTH * step) {
@@ -54,14 +54,14 @@ pub(super) fn widen(way: &mut Way, probe: &Probe<'_>) -> Result<(), Spent> {
 /// whether there is such a move.
 fn move_off(
     way: &mut Way,
-    piece: Stretch,
+    piece: WayPiece,
     (step, least): (f64, f64),
     probe: &Probe<'_>,
 ) -> Result<bool, Spent> {
     let count = way.backs.len();
     let (first, last) = match piece {
-        Stretch::Leg(leg) => (leg, leg + 1),
-        Stretch::Turn(knot) => (knot.saturating_sub(1), knot + 1),
+        WayPiece::Leg(leg) => (leg, leg + 1),
+        WayPiece::Turn(knot) => (knot.saturating_sub(1), knot + 1),
     };
     for knot in first.max(1)..=last.min(count.saturating_sub(1)) {
         for end in knot..=(knot + 1).min(count - 1) {
@@ -90,13 +90,13 @@ fn keeps_more(
     probe: &Probe<'_>,
 ) -> Result<bool, Spent> {
     for leg in first - 1..=last {
-        if kept(way, Stretch::Leg(leg), probe)? <= least {
+        if kept(way, WayPiece::Leg(leg), probe)? <= least {
             return Ok(false);
         }
     }
     for knot in first - 1..=last + 1 {
         way.turn_again(knot, probe);
-        if kept(way, Stretch::Turn(knot), probe)? <= least {
+        if kept(way, WayPiece::Turn(knot), probe)? <= least {
             return Ok(false);
         }
     }
@@ -104,11 +104,11 @@ fn keeps_more(
 }
 
 /// The free clearance over a piece, metres; 0 if it touches a wall.
-fn kept(way: &Way, piece: Stretch, probe: &Probe<'_>) -> Result<f64, Spent> {
+fn kept(way: &Way, piece: WayPiece, probe: &Probe<'_>) -> Result<f64, Spent> {
     let curve = match piece {
-        Stretch::Leg(leg) => probe.line(&way.knots[leg], &way.knots[leg + 1], way.backs[leg]),
-        Stretch::Turn(knot) if way.sweeps[knot] == 0.0 => return Ok(f64::INFINITY),
-        Stretch::Turn(knot) => {
+        WayPiece::Leg(leg) => probe.line(&way.knots[leg], &way.knots[leg + 1], way.backs[leg]),
+        WayPiece::Turn(knot) if way.sweeps[knot] == 0.0 => return Ok(f64::INFINITY),
+        WayPiece::Turn(knot) => {
             let [from, _] = way.headings_at(knot, probe);
             probe.turn_by(&way.knots[knot], from, way.sweeps[knot])
         }
