@@ -117,7 +117,11 @@ impl Workers {
     pub(crate) fn add(&self, job: Job) -> Result<(), (Job, Waiting)> {
         let mut state = self.shared.lock();
         let bytes = size_of_val(job.cells.as_slice());
-        if job.written == 0 && !state.queue.has_room(bytes, self.shared.limits) {
+        // What a free thread is about to take does not wait.
+        let free = self.threads.len().saturating_sub(state.planning);
+        let QueueLimits { requests, bytes: most } = self.shared.limits;
+        let limits = QueueLimits { requests: requests + free, bytes: most };
+        if job.written == 0 && !state.queue.has_room(bytes, limits) {
             return Err((job, state.queue.waiting()));
         }
         state.queue.push(job);
