@@ -414,9 +414,11 @@ impl<'a> Service<'a> {
     /// A request's deadline has passed.
     fn too_late(&mut self, ticket: u64) {
         let Some(request) = self.in_hand.get(&ticket) else { return };
-        let waited = self.workers.stop(ticket, &request.stop, StopReason::Deadline);
         // A worker that plans it says so in its reply.
-        if let (Some(_), Some(request)) = (waited, self.in_hand.remove(&ticket)) {
+        if self.workers.stop(ticket, &request.stop, StopReason::Deadline).is_none() {
+            return;
+        }
+        if let Some(request) = self.in_hand.remove(&ticket) {
             let field = Some("deadline".to_owned());
             let message = "the deadline passed before planning began: the planner is busy; allow \
                            more time";
@@ -480,8 +482,8 @@ impl<'a> Service<'a> {
         let tickets: Vec<_> = self.in_hand.keys().copied().collect();
         for ticket in tickets {
             let stop = Arc::clone(&self.in_hand[&ticket].stop);
-            let waited = self.workers.stop(ticket, &stop, StopReason::Shutdown);
-            if let (Some(_), Some(request)) = (waited, self.in_hand.remove(&ticket)) {
+            let waited = self.workers.stop(ticket, &stop, StopReason::Shutdown).is_some();
+            if waited && let Some(request) = self.in_hand.remove(&ticket) {
                 self.refuse(request.incoming, request.taken, &shutting_down());
             }
         }
