@@ -7,8 +7,8 @@ use bus::{CallError, Client, Pending, StatusReader, TapEvent, TapMessage, TapRea
 use integration_tests::{LONG, Process, Signal, TestDomain, scene, wait_for};
 use schemas::json::read_scene;
 use schemas::message::{
-    Choice, ClearanceWish, ErrorCode, Gap, Reply, Request, RequestContent, RequestKey, Sampling,
-    SceneRequest,
+    Choice, ClearanceWish, ErrorCode, Gap, Refusal, Reply, Request, RequestContent, RequestKey,
+    Sampling, SceneRequest,
 };
 use schemas::status::Status;
 
@@ -175,6 +175,20 @@ fn a_deadline_holds_while_planning_and_in_the_queue() {
     assert_eq!(code(&reply), Some(ErrorCode::DeadlineExceeded), "{reply:?}");
     println!("refused {took:?} after it was sent, due after 50 ms");
     assert!(took >= Duration::from_millis(50));
+
+    // One whose first answers were given at once gets the rest refused.
+    let gap = |index: u32| Choice::Gap(Gap::Uniform(0.01 + 1e-5 * f64::from(index)));
+    let clearance = ClearanceWish::Each((0..ENDLESS).map(gap).collect());
+    let many = SceneRequest { clearance, ..short(3) };
+    let expected = expected(RequestKey::default(), &many).answers.unwrap();
+    let begun = SceneRequest { deadline: Some(0.05), ..many };
+    let answers = late.call(&begun, LONG).unwrap().answers.unwrap();
+    let found = answers.iter().take_while(|answer| answer.is_ok()).count();
+    println!("{found} answers at once");
+    assert!(0 < found && found < answers.len() && answers.len() == expected.len());
+    assert!(answers[..found] == expected[..found]);
+    let late = |refusal: &Refusal| refusal.code == ErrorCode::DeadlineExceeded;
+    assert!(answers[found..].iter().all(|answer| answer.as_ref().is_err_and(late)));
 }
 
 /// A request whose client has dropped it, left or died makes room for the next.

@@ -6,7 +6,9 @@
 //! geometry, recordings or JSON.
 
 pub mod metrics;
+pub mod options;
 mod queue;
+mod resume;
 pub mod service;
 mod statistics;
 pub mod supervisor;

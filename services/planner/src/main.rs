@@ -10,7 +10,8 @@ use answer::CacheStats;
 use bus::{Domain, Server};
 use clap::Parser;
 use configuration::Config;
-use planner::service::{serve, server_options};
+use planner::options::server_options;
+use planner::service::serve;
 use planner::supervisor::supervise;
 use program::{Diagnostics, Exit};
 

@@ -4,6 +4,7 @@
 //! than most answers. One that turns out long is begun anew by a worker (`workers.rs`), whose
 //! parts come back here to be sent. Nothing in this thread waits for a client or for a worker.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,14 +12,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use answer::{CacheStats, StopFlag, StopReason, Store, Workspace};
-use bus::{Incoming, ReplyError, ReplyOptions, ReplySink, Server, ServerOptions, Wait, Woken};
-use configuration::{Config, WaitFor};
+use bus::{Incoming, ReplyError, ReplySink, Server, Woken};
+use configuration::Config;
 use schemas::convert::{CellWriter, PartSink};
 use schemas::message::{ErrorCode, Refusal};
 use schemas::wire::{ReplyHeader, RequestHeader, given};
 
 use crate::metrics::Latest;
 use crate::queue::{Job, QueueLimits, Waiting};
+use crate::resume::{Resumed, stop_after};
 use crate::statistics::{Present, Statistics};
 use crate::workers::{Outcome, Workers, internal_error};
 
@@ -415,15 +417,34 @@ impl<'a> Service<'a> {
     fn too_late(&mut self, ticket: u64) {
         let Some(request) = self.in_hand.get(&ticket) else { return };
         // A worker that plans it says so in its reply.
-        if self.workers.stop(ticket, &request.stop, StopReason::Deadline).is_none() {
+        let Some(job) = self.workers.stop(ticket, &request.stop, StopReason::Deadline) else {
             return;
-        }
+        };
         if let Some(request) = self.in_hand.remove(&ticket) {
+            if job.written > 0 {
+                return self.refuse_rest(request, &job, StopReason::Deadline);
+            }
             let field = Some("deadline".to_owned());
             let message = "the deadline passed before planning began: the planner is busy; allow \
                            more time";
             let refusal = Refusal::new(ErrorCode::DeadlineExceeded, message);
             self.refuse(request.incoming, request.taken, &Refusal { field, ..refusal });
+        }
+    }
+
+    /// Refuses the answers that a reply which was begun here still lacks.
+    fn refuse_rest(&mut self, mut request: InHand, job: &Job, reason: StopReason) {
+        let (stop, left) = (StopFlag::new(), Cell::new(job.written));
+        let meanwhile = || {
+            stop_after(&left, reason, &stop);
+        };
+        let mut sink = Resumed { sink: request.incoming.reply(), left: &left };
+        let workspace = &mut self.workspace;
+        let answered =
+            workspace.answer_while(&job.header, &job.cells, (&stop, &meanwhile), &mut sink);
+        match answered {
+            Ok(()) => self.sent(request.incoming, request.taken),
+            Err(error) => self.undelivered(&job.header, &error),
         }
     }
 
@@ -482,9 +503,12 @@ impl<'a> Service<'a> {
         let tickets: Vec<_> = self.in_hand.keys().copied().collect();
         for ticket in tickets {
             let stop = Arc::clone(&self.in_hand[&ticket].stop);
-            let waited = self.workers.stop(ticket, &stop, StopReason::Shutdown).is_some();
-            if waited && let Some(request) = self.in_hand.remove(&ticket) {
-                self.refuse(request.incoming, request.taken, &shutting_down());
+            let reason = StopReason::Shutdown;
+            let Some(job) = self.workers.stop(ticket, &stop, reason) else { continue };
+            match self.in_hand.remove(&ticket) {
+                Some(request) if job.written > 0 => self.refuse_rest(request, &job, reason),
+                Some(request) => self.refuse(request.incoming, request.taken, &shutting_down()),
+                None => {}
             }
         }
     }
@@ -566,30 +590,4 @@ fn deadline(header: &RequestHeader) -> Option<Instant> {
     }
     let left = Duration::try_from_secs_f64(header.deadline).ok().filter(|left| !left.is_zero())?;
     Instant::now().checked_add(left)
-}
-
-/// The bus's part of the configuration.
-pub fn server_options(config: &Config) -> ServerOptions {
-    ServerOptions {
-        max_clients: config.max_clients,
-        requests_per_client: config.requests_per_client,
-        max_recorders: config.max_recorders,
-        tap_buffer: config.tap_buffer,
-        wait: match config.wait {
-            WaitFor::Event => Wait::Event,
-            WaitFor::Hybrid => Wait::Hybrid,
-            WaitFor::Poll => Wait::Poll,
-        },
-        reply: ReplyOptions { patience: Duration::from_secs_f64(config.patience) },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_of_the_configuration_are_those_of_the_bus() {
-        assert_eq!(server_options(&Config::default()), ServerOptions::default());
-    }
 }

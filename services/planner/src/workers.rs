@@ -14,6 +14,7 @@ use schemas::message::{ErrorCode, Refusal};
 use schemas::wire::ReplyHeader;
 
 use crate::queue::{Job, Queue, QueueLimits, Waiting};
+use crate::resume::{Resumed, stop_after};
 use crate::turns::Turns;
 
 /// How long a request has its turn while others wait for one.
@@ -189,8 +190,7 @@ impl Shared {
             if answered.is_err() {
                 // A defect in planning must not take the service with it.
                 workspace = Workspace::sharing(caps, store);
-                let left = &Cell::new(0);
-                let mut sink = Parts { job: &job, turn: &turn, teller, left };
+                let mut sink = Parts { job: &job, turn: &turn, teller };
                 let (Ok(()) | Err(Unwanted)) =
                     Workspace::refuse(&job.header, &internal_error(), &mut sink);
             }
@@ -223,17 +223,13 @@ fn answer(workspace: &mut Workspace, job: &Job, turn: &Turn<'_>, teller: &Teller
         if job.deadline.is_some_and(|deadline| now >= deadline) {
             job.stop.stop(StopReason::Deadline);
         }
-        match job.stop.reason() {
-            // The answers that the client has are gone through first, in a few milliseconds:
-            // only then it is known which ones are to be refused.
-            Some(reason) if left.get() == 0 || reason == StopReason::ClientLeft => {
-                stop.stop(reason);
-            }
-            _ => turn.share(now),
+        let reason = job.stop.reason();
+        if !reason.is_some_and(|reason| stop_after(&left, reason, &stop)) {
+            turn.share(now);
         }
     };
     meanwhile();
-    let mut sink = Parts { job, turn, teller, left: &left };
+    let mut sink = Resumed { sink: Parts { job, turn, teller }, left: &left };
     let (Ok(()) | Err(Unwanted)) =
         workspace.answer_while(&job.header, &job.cells, (&stop, &meanwhile), &mut sink);
 }
@@ -334,13 +330,11 @@ impl Teller {
     }
 }
 
-/// Writes the parts of a reply into memory of their own, from the first that is not written yet.
+/// Writes the parts of a reply into memory of their own.
 struct Parts<'a> {
     job: &'a Job,
     turn: &'a Turn<'a>,
     teller: &'a Teller,
-    /// Parts that are written already, and not gone through again.
-    left: &'a Cell<usize>,
 }
 
 /// Nobody wants the reply any more.
@@ -361,10 +355,6 @@ impl PartSink for Parts<'_> {
         }
         let mut memory = vec![0; cells];
         fill(&mut CellWriter::new(&mut memory));
-        if let Some(left) = self.left.get().checked_sub(1) {
-            self.left.set(left);
-            return Ok(());
-        }
         self.turn.make_room(size_of_val(memory.as_slice()));
         self.teller.tell(self.job.ticket, Outcome::Part(Box::new(*header), memory));
         Ok(())

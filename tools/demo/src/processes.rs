@@ -62,7 +62,7 @@ impl Role {
 
 fn serve(domain: &Domain) -> Result<Exit, Error> {
     let config = Config::default();
-    let mut server = Server::open(domain, &planner::service::server_options(&config))?;
+    let mut server = Server::open(domain, &planner::options::server_options(&config))?;
     planner::service::serve(&mut server, &config, None)?;
     Ok(Exit::Done)
 }
