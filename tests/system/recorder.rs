@@ -135,7 +135,7 @@ fn an_existing_file_is_not_overwritten() {
 #[test]
 fn messages_that_a_frozen_recorder_missed_are_counted_and_reported() {
     let test = TestDomain::new();
-    test.write("planner.toml", "tap_buffer = 4");
+    test.write("planner.toml", "tap_buffer = 8");
     let _planner = test.planner(&["--config", "planner.toml"]);
     let recorder = test.recorder("run.mcap", &[]);
     ask(&test, 2);
