@@ -15,6 +15,7 @@ pub use rustix::process::Signal;
 
 use schemas::json;
 use schemas::message::SceneRequest;
+use schemas::status::Status;
 
 /// A limit that only a hang reaches.
 pub const LONG: Duration = Duration::from_secs(60);
@@ -50,6 +51,14 @@ pub fn scene_text(name: &str) -> String {
 /// A scene file's scene.
 pub fn scene(name: &str) -> SceneRequest {
     json::read_scene(&scene_text(name)).unwrap_or_else(|bad| panic!("{name}: {bad:?}"))
+}
+
+/// The process that serves in a domain, which is not the one that supervises it.
+#[track_caller]
+pub fn serving(test: &TestDomain) -> u32 {
+    let status = bus::StatusReader::connect(&test.domain()).expect("a planner is there");
+    let text = status.wait(LONG).expect("the planner says how it is");
+    Status::from_json(&text).expect("a status").pid
 }
 
 /// Waits until `done` gives something.

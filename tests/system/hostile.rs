@@ -2,11 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use bus::{CallError, Client, StatusReader, Wait};
+use bus::{CallError, Client, Wait};
 use iceoryx2::prelude::*;
-use integration_tests::{LONG, Signal, TestDomain, kill_pid, scene, wait_for};
+use integration_tests::{LONG, Signal, TestDomain, kill_pid, scene, serving, wait_for};
 use schemas::message::SceneRequest;
-use schemas::status::Status;
 
 /// A request's header in version 1, which every planner serves as well.
 #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
@@ -56,13 +55,6 @@ fn send_raw(test: &TestDomain, cells: usize, spoil: impl FnOnce(&mut [u64; 8])) 
 
 fn small(id: u64) -> SceneRequest {
     SceneRequest { id: Some(id), ..scene("disassemble-channels.json") }
-}
-
-/// The serving process.
-fn serving(test: &TestDomain) -> u32 {
-    let status = StatusReader::connect(&test.domain()).unwrap();
-    let text = status.wait(LONG).expect("the planner says how it is");
-    Status::from_json(&text).unwrap().pid
 }
 
 fn check_serves(test: &TestDomain) {

@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
 use bus::{CallError, Client, Wait};
-use integration_tests::{LONG, Signal, TestDomain, scene, scene_files, wait_for};
+use integration_tests::{
+    LONG, Signal, TestDomain, kill_pid, scene, scene_files, serving, wait_for,
+};
 use schemas::message::{
     Choice, ClearanceWish, Gap, Reply, Request, RequestContent, RequestKey, SceneRequest,
 };
@@ -168,7 +170,7 @@ fn a_call_says_at_once_that_its_planner_was_lost() {
     let planner = test.planner(&[]);
     let client = test.connect();
     // Frozen, it takes requests and answers none.
-    planner.signal(Signal::STOP);
+    kill_pid(serving(&test), Signal::STOP);
     let mut pending = client.send(&numbered(42)).unwrap();
     planner.kill();
     let lost = pending.wait(std::time::Instant::now() + LONG);
