@@ -361,3 +361,28 @@ fn a_planner_ends_when_its_grace_is_over() {
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert!(test.left().is_empty(), "{:?}", test.left());
 }
+
+#[test]
+fn a_planner_says_how_it_is() {
+    let test = TestDomain::new();
+    let mut planner = test.planner(&["--metrics", "0"]);
+    planner.wait_until_it_says("metrics at /metrics");
+    let name = test.domain().name().to_owned();
+    let ping = test.run("plan", &["--domain", &name, "--ping", "--format", "json"]);
+    assert_eq!(ping.code, Some(0), "{ping:?}");
+    assert!(ping.stdout.starts_with("{\"pings\":10,\"least\":"), "{ping:?}");
+    let reply = client(&test).call(&SceneRequest { goal: None, ..slow(1) }, LONG).unwrap();
+    assert_eq!(code(&reply), Some(ErrorCode::InvalidScene));
+    let counted = wait_for("the counts", || {
+        let ended = test.run("plan", &["--domain", &name, "--status", "--format", "json"]);
+        let status = Status::from_json(&ended.stdout).unwrap();
+        (status.answered == 11).then_some(status)
+    });
+    assert_eq!((counted.requests, counted.undelivered), (11, 0));
+    assert_eq!(counted.refused, [("invalid_scene".to_owned(), 1)].into());
+    assert_eq!(counted.latency.count, 11);
+    let text = test.run("plan", &["--domain", &name, "--status"]).stdout;
+    assert!(text.contains("11 taken, 11 answered") && text.contains("1 invalid_scene"), "{text}");
+    let csv = test.run("plan", &["--domain", &name, "--status", "--format", "csv"]);
+    assert_eq!(csv.code, Some(1), "{csv:?}");
+}
