@@ -145,7 +145,7 @@ impl Cache {
     ) -> Result<Arc<T>, E> {
         budget.step(self.content.0.len() as u64 / WORDS_PER_STEP)?;
         if let Some(made) = self.find(budget) {
-            self.used.hits += 1;
+            self.store.count_hits(1);
             return Ok(made);
         }
         self.used.misses += 1;

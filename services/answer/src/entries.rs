@@ -111,7 +111,6 @@ impl Entries {
             self.most_entries = self.entries.len();
         }
         self.stats.entries = self.entries.len();
-        self.stats.hits += std::mem::take(&mut used.hits);
         self.stats.misses += std::mem::take(&mut used.misses);
         Evicted(evicted)
     }
@@ -126,13 +125,13 @@ pub(crate) struct Evicted(#[expect(dead_code, reason = "only dropped")] Vec<Entr
 #[derive(Debug, Default)]
 pub(crate) struct Used {
     entries: Vec<(Arc<[u64]>, Entry)>,
-    pub(crate) hits: u64,
     pub(crate) misses: u64,
 }
 
 impl Used {
-    pub(crate) fn is_empty(&self) -> bool {
-        self.entries.is_empty() && self.misses == 0
+    /// Whether all was there: the cache has not grown.
+    pub(crate) fn was_there(&self) -> bool {
+        self.misses == 0
     }
 
     pub(crate) fn add(&mut self, content: Arc<[u64]>, entry: Entry) {

@@ -279,8 +279,8 @@ impl Workspace {
             self.cache.release_content();
         }
         let counted = self.own_bytes();
-        if counted == self.counted && self.cache.used.is_empty() {
-            return;
+        if counted == self.counted && self.cache.used.was_there() {
+            return self.cache.used.clear();
         }
         let mut kept = self.store.lock();
         kept.entries.count_elsewhere(self.counted, counted);

@@ -5,6 +5,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering, fence};
 
 use planning::budget::StopSignal;
+use schemas::message::{ErrorCode, Refusal};
 
 /// The caller is called once in so many looks at the flag, which are 1,024 steps apart: several
 /// times in a millisecond.
@@ -26,6 +27,26 @@ pub enum StopReason {
 }
 
 impl StopReason {
+    /// What is said of the answers that a request which is ended for it still lacks.
+    pub fn refusal(self) -> Refusal {
+        match self {
+            Self::Shutdown => {
+                let message = "the planner is shutting down; send the request again";
+                Refusal::new(ErrorCode::Overloaded, message)
+            }
+            Self::ClientLeft | Self::HandedOver => {
+                // Nobody reads it.
+                Refusal::new(ErrorCode::DeadlineExceeded, "the client left before the answer")
+            }
+            Self::Deadline => {
+                let message = "the deadline passed before the answer was found; allow more time, \
+                               or simplify the scene";
+                let field = Some("deadline".to_owned());
+                Refusal { field, ..Refusal::new(ErrorCode::DeadlineExceeded, message) }
+            }
+        }
+    }
+
     const ALL: [Self; 4] = [Self::Deadline, Self::ClientLeft, Self::HandedOver, Self::Shutdown];
 }
 

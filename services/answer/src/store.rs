@@ -1,6 +1,6 @@
 //! What is kept from one request to the next, by all workspaces together.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::entries::{CacheStats, Entries};
@@ -20,6 +20,8 @@ struct Shared {
     kept: Mutex<Kept>,
     most_bytes: usize,
     workspaces: AtomicUsize,
+    /// Look-ups that found an entry; counted without a lock.
+    hits: AtomicU64,
 }
 
 #[derive(Debug)]
@@ -42,12 +44,17 @@ impl Store {
             kept: Mutex::new(kept),
             most_bytes: bytes,
             workspaces: AtomicUsize::new(0),
+            hits: AtomicU64::new(0),
         }))
     }
 
     /// Statistics of the cache since the store was made.
     pub fn cache_stats(&self) -> CacheStats {
-        self.lock().entries.stats()
+        CacheStats { hits: self.0.hits.load(Ordering::Relaxed), ..self.lock().entries.stats() }
+    }
+
+    pub(crate) fn count_hits(&self, hits: u64) {
+        self.0.hits.fetch_add(hits, Ordering::Relaxed);
     }
 
     /// What each workspace may keep of each kind of buffer, bytes.

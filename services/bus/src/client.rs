@@ -33,6 +33,9 @@ type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyH
 /// How long a planner that ends takes from its last reply to its end, mostly.
 const ENDING: Duration = Duration::from_millis(50);
 
+/// How often a client that waits for a planner looks for one.
+const LOOK: Duration = Duration::from_millis(20);
+
 /// The number of first request ids that clients choose from.
 const FIRST_IDS: u64 = 1024;
 
@@ -75,6 +78,25 @@ impl Client {
     pub fn connect(domain: &Domain, how: Wait) -> Result<Self, ConnectError> {
         let nonce = getrandom::u64().map_err(|error| ConnectError::Random(error.to_string()))?;
         Self::connect_as(domain, how, nonce)
+    }
+
+    /// The same, as soon as a planner has started, which may take so long. A signal that asks to
+    /// end ends the waiting.
+    pub fn connect_within(
+        domain: &Domain,
+        how: Wait,
+        limit: Duration,
+    ) -> Result<Self, ConnectError> {
+        let until = Instant::now() + limit;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            match Self::connect(domain, how) {
+                Err(ConnectError::NoPlanner { .. }) if !left.is_zero() && !wait::terminated() => {
+                    std::thread::sleep(left.min(LOOK));
+                }
+                done => return done,
+            }
+        }
     }
 
     fn connect_as(domain: &Domain, how: Wait, nonce: u64) -> Result<Self, ConnectError> {
@@ -304,11 +326,14 @@ impl Pending<'_> {
             }
             let Client { bell, how, planner, plan, node, .. } = self.client;
             let process = planner.borrow();
-            let others: Vec<_> = process.iter().map(AsFd::as_fd).collect();
+            let others = process.iter().map(AsFd::as_fd);
             let has_response = || self.awaited.has_response();
-            let woken = wait::wait(*how, (bell.as_ref(), &others), Some(until), has_response);
+            let woken = wait::wait(*how, (bell.as_ref(), others), Some(until), has_response);
             if woken == Woken::Terminate {
                 return Err(CallError::Interrupted);
+            }
+            if has_response() {
+                continue;
             }
             let has_ended = process.as_ref().is_some_and(Process::has_ended);
             drop(process);

@@ -53,7 +53,7 @@ pub use error::{CallError, ConnectError, OpenError, ReceiveError, ReplyError};
 pub use list::{DomainStatus, PlannerStatus, domains};
 pub use log::forward_to_tracing;
 pub use options::{ReplyOptions, ServerOptions};
-pub use ports::most_memory;
+pub use ports::{free_memory, most_memory};
 pub use presence::SUPERVISOR_VARIABLE;
 pub use root::{ROOT_VARIABLE, RootError, RootProblem};
 pub use server::{ClientWatch, Incoming, ReplySink, Server, Waker};

@@ -91,11 +91,8 @@ impl Server {
     /// Opens the planner's side of a domain.
     pub fn open(domain: &Domain, options: &ServerOptions) -> Result<Self, OpenError> {
         let needs = ports::most_memory(options);
-        if let Ok(memory) = rustix::fs::statvfs("/dev/shm") {
-            let free = memory.f_bavail.saturating_mul(memory.f_frsize);
-            if free < needs {
-                return Err(OpenError::SharedMemory { needs, free });
-            }
+        if let Some(free) = ports::free_memory().filter(|free| *free < needs) {
+            return Err(OpenError::SharedMemory { needs, free });
         }
         let node = domain.join(Visitor::PLANNER)?;
         let failed =
@@ -196,9 +193,8 @@ impl Server {
     /// Waits for a request, for the waker or for a signal to end, at most until `until` and at
     /// most [`wait::NET`].
     pub fn wait(&mut self, until: Option<Instant>) -> Woken {
-        let others: Vec<_> =
-            std::iter::once(self.waker.as_fd()).chain(self.deaths.processes()).collect();
-        let woken = wait::wait(self.how, (self.bell.as_ref(), &others), until, || self.has_work());
+        let others = std::iter::once(self.waker.as_fd()).chain(self.deaths.processes());
+        let woken = wait::wait(self.how, (self.bell.as_ref(), others), until, || self.has_work());
         let died = self.deaths.any();
         self.waker.reset();
         self.desk.borrow_mut().tap.heartbeat();

@@ -47,9 +47,9 @@ pub enum Woken {
 /// `until`, at most [`NET`].
 ///
 /// A poller has no bell, so the other side rings none.
-pub(crate) fn wait(
+pub(crate) fn wait<'a>(
     how: Wait,
-    (bell, others): (Option<&Listener<ipc::Service>>, &[BorrowedFd<'_>]),
+    (bell, others): (Option<&Listener<ipc::Service>>, impl Iterator<Item = BorrowedFd<'a>>),
     until: Option<Instant>,
     mut ready: impl FnMut() -> bool,
 ) -> Woken {
@@ -75,7 +75,7 @@ pub(crate) fn wait(
     if !terminated()
         && let Some(bell) = bell
     {
-        sleep((bell, others), end, ready);
+        sleep((bell, &others.collect::<Vec<_>>()), end, ready);
     }
     if terminated() { Woken::Terminate } else { Woken::Look }
 }

@@ -21,7 +21,7 @@ use schemas::wire::{ReplyHeader, RequestHeader, given};
 use crate::metrics::Latest;
 use crate::queue::{Job, QueueLimits, Waiting};
 use crate::resume::{Resumed, stop_after};
-use crate::statistics::{Present, Statistics};
+use crate::statistics::{Counted, Present, Statistics};
 use crate::workers::{Outcome, Workers, internal_error};
 
 /// After this many requests without a pause the loop looks after the others in hand.
@@ -89,7 +89,8 @@ struct Service<'a> {
     workers: Workers,
     /// Requests that are not answered in full, by their ticket.
     in_hand: BTreeMap<u64, InHand>,
-    next_ticket: u64,
+    /// The last ticket given out.
+    last_ticket: u64,
     cells: Vec<u64>,
     statistics: Statistics,
     /// What was last published, and when.
@@ -148,7 +149,7 @@ impl<'a> Service<'a> {
             store,
             workers,
             in_hand: BTreeMap::new(),
-            next_ticket: 0,
+            last_ticket: 0,
             cells: Vec::new(),
             statistics: Statistics::new(),
             published: (0, Instant::now()),
@@ -226,7 +227,10 @@ impl<'a> Service<'a> {
     fn next_look(&self) -> Instant {
         let now = Instant::now();
         let held_up = self.in_hand.values().any(|request| request.incoming.is_held_up());
-        let deadlines = self.in_hand.values().filter_map(|request| request.deadline);
+        // Those that have passed wait for a worker only.
+        let is_due = |request: &&InHand| request.stop.reason().is_none() && !request.is_written;
+        let due = self.in_hand.values().filter(is_due);
+        let deadlines = due.filter_map(|request| request.deadline);
         let next = if held_up { now + RETRY } else { now + LOOK };
         deadlines.fold(next, Instant::min)
     }
@@ -246,7 +250,7 @@ impl<'a> Service<'a> {
             return self.refuse(incoming, taken, &refusal);
         }
         if self.closing.is_some() {
-            return self.refuse(incoming, taken, &shutting_down());
+            return self.refuse(incoming, taken, &StopReason::Shutdown.refusal());
         }
         let deadline = deadline(&header);
         let waits_in_line = self
@@ -288,11 +292,12 @@ impl<'a> Service<'a> {
                 stop.stop(StopReason::HandedOver);
             }
         };
-        let mut sink = Sink { sink, stop: &stop, meanwhile: &meanwhile, statistics };
+        let sink = Counted { sink, statistics };
+        let mut sink = Sink { sink, stop: &stop, meanwhile: &meanwhile };
         let answered = catch_unwind(AssertUnwindSafe(|| {
             workspace.answer_while(header, cells, (&stop, &meanwhile), &mut sink)
         }));
-        let written = sink.sink.written();
+        let written = sink.sink.sink.written();
         match answered {
             Ok(Ok(())) => AtOnce::Written,
             Ok(Err(Ended::HandedOver | Ended::Failed(ReplyError::Full))) => {
@@ -302,7 +307,8 @@ impl<'a> Service<'a> {
             Err(_) => {
                 // A defect in planning must not take the service with it.
                 self.workspace = Workspace::sharing(self.config.caps, &self.store);
-                match Workspace::refuse(header, &internal_error(), &mut incoming.reply()) {
+                let mut sink = Counted { sink: incoming.reply(), statistics: &mut self.statistics };
+                match Workspace::refuse(header, &internal_error(), &mut sink) {
                     Ok(()) => AtOnce::Written,
                     Err(error) => AtOnce::Failed(error),
                 }
@@ -319,8 +325,7 @@ impl<'a> Service<'a> {
         written: usize,
     ) {
         let header = incoming.header();
-        let ticket = self.next_ticket;
-        self.next_ticket += 1;
+        let ticket = self.ticket();
         let stop = Arc::new(StopFlag::new());
         let cells = std::mem::take(&mut self.cells);
         let job = Job { ticket, header, cells, stop: Arc::clone(&stop), deadline, written };
@@ -333,6 +338,11 @@ impl<'a> Service<'a> {
         let request =
             InHand { incoming, taken, stop, deadline, waits: true, is_written: false, unsent: 0 };
         self.in_hand.insert(ticket, request);
+    }
+
+    fn ticket(&mut self) -> u64 {
+        self.last_ticket += 1;
+        self.last_ticket
     }
 
     fn overloaded(&self, Waiting { requests, bytes }: Waiting) -> Refusal {
@@ -359,9 +369,7 @@ impl<'a> Service<'a> {
                 Outcome::Begun => request.waits = false,
                 Outcome::Part(header, cells) => {
                     request.is_written = header.last != 0;
-                    if let (1, Some(code)) = (header.kind, cells.first()) {
-                        self.statistics.count_refusal(*code);
-                    }
+                    self.statistics.count_part(&header, cells.first().copied());
                     request.unsent += size_of_val(cells.as_slice());
                     if let Err(error) = request.incoming.push(*header, cells) {
                         self.give_up(told.ticket, &error);
@@ -438,7 +446,9 @@ impl<'a> Service<'a> {
         let meanwhile = || {
             stop_after(&left, reason, &stop);
         };
-        let mut sink = Resumed { sink: request.incoming.reply(), left: &left };
+        let sink = request.incoming.reply();
+        let sink = Counted { sink, statistics: &mut self.statistics };
+        let mut sink = Resumed { sink, left: &left };
         let workspace = &mut self.workspace;
         let answered =
             workspace.answer_while(&job.header, &job.cells, (&stop, &meanwhile), &mut sink);
@@ -468,8 +478,7 @@ impl<'a> Service<'a> {
         if !incoming.is_held_up() {
             return self.answered(&incoming, taken);
         }
-        let ticket = self.next_ticket;
-        self.next_ticket += 1;
+        let ticket = self.ticket();
         let request = InHand {
             incoming,
             taken,
@@ -484,9 +493,8 @@ impl<'a> Service<'a> {
 
     fn refuse(&mut self, mut incoming: Incoming, taken: Instant, refusal: &Refusal) {
         let header = incoming.header();
-        let code = ErrorCode::ALL.iter().position(|code| *code == refusal.code);
-        self.statistics.count_refusal(code.map_or(u64::MAX, |code| code as u64));
-        match Workspace::refuse(&header, refusal, &mut incoming.reply()) {
+        let mut sink = Counted { sink: incoming.reply(), statistics: &mut self.statistics };
+        match Workspace::refuse(&header, refusal, &mut sink) {
             Ok(()) => self.sent(incoming, taken),
             Err(error) => self.undelivered(&header, &error),
         }
@@ -507,7 +515,7 @@ impl<'a> Service<'a> {
             let Some(job) = self.workers.stop(ticket, &stop, reason) else { continue };
             match self.in_hand.remove(&ticket) {
                 Some(request) if job.written > 0 => self.refuse_rest(request, &job, reason),
-                Some(request) => self.refuse(request.incoming, request.taken, &shutting_down()),
+                Some(request) => self.refuse(request.incoming, request.taken, &reason.refusal()),
                 None => {}
             }
         }
@@ -538,10 +546,9 @@ use Why::{Failed, Late};
 
 /// A reply that is written at once, as long as it is not handed over.
 struct Sink<'a, F> {
-    sink: ReplySink<'a>,
+    sink: Counted<'a, ReplySink<'a>>,
     stop: &'a StopFlag,
     meanwhile: &'a F,
-    statistics: &'a mut Statistics,
 }
 
 enum Ended {
@@ -559,27 +566,14 @@ impl<F: Fn()> PartSink for Sink<'_, F> {
         fill: impl FnOnce(&mut CellWriter),
     ) -> Result<(), Ended> {
         // Long replies take long to write.
-        if self.sink.written() > 0 {
+        if self.sink.sink.written() > 0 {
             (self.meanwhile)();
         }
         if self.stop.reason() == Some(StopReason::HandedOver) {
             return Err(Ended::HandedOver);
         }
-        let mut refusal = None;
-        let sent = self.sink.part(header, cells, |writer| {
-            fill(writer);
-            refusal = (header.kind == 1).then(|| writer.written().first().copied()).flatten();
-        });
-        if let Some(code) = refusal {
-            self.statistics.count_refusal(code);
-        }
-        sent.map_err(Ended::Failed)
+        self.sink.part(header, cells, fill).map_err(Ended::Failed)
     }
-}
-
-fn shutting_down() -> Refusal {
-    let message = "the planner is shutting down; send the request again";
-    Refusal::new(ErrorCode::Overloaded, message)
 }
 
 /// When a request that has just arrived is to be answered. What is no possible deadline is

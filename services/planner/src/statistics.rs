@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 
 use answer::CacheStats;
 use hdrhistogram::Histogram;
+use schemas::convert::{CellWriter, PartSink};
 use schemas::message::ErrorCode;
 use schemas::status::{CacheStatus, Latency, QueueStatus, Status, WorkerStatus};
+use schemas::wire::ReplyHeader;
 
 use crate::workers::Load;
 
@@ -28,6 +30,32 @@ pub(crate) struct Statistics {
     /// Nanoseconds.
     latency: Histogram<u64>,
     sum: Duration,
+}
+
+/// A sink whose refusals are counted.
+#[derive(Debug)]
+pub(crate) struct Counted<'a, S> {
+    pub(crate) sink: S,
+    pub(crate) statistics: &'a mut Statistics,
+}
+
+impl<S: PartSink> PartSink for Counted<'_, S> {
+    type Error = S::Error;
+
+    fn part(
+        &mut self,
+        header: &ReplyHeader,
+        cells: usize,
+        fill: impl FnOnce(&mut CellWriter),
+    ) -> Result<(), S::Error> {
+        let mut first = None;
+        self.sink.part(header, cells, |writer| {
+            fill(writer);
+            first = writer.written().first().copied();
+        })?;
+        self.statistics.count_part(header, first);
+        Ok(())
+    }
 }
 
 /// What else belongs to the status.
@@ -54,9 +82,10 @@ impl Statistics {
         }
     }
 
-    /// A refusal whose code has this place in [`ErrorCode::ALL`] was written.
-    pub(crate) fn count_refusal(&mut self, code: u64) {
-        let place = usize::try_from(code).ok();
+    /// A part was written, which may be a refusal: then its code is the first cell.
+    pub(crate) fn count_part(&mut self, header: &ReplyHeader, first: Option<u64>) {
+        let code = first.filter(|_| header.kind == 1);
+        let place = code.and_then(|code| usize::try_from(code).ok());
         if let Some(count) = place.and_then(|place| self.refused.get_mut(place)) {
             *count += 1;
         }

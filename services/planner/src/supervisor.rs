@@ -118,7 +118,7 @@ fn ended(status: ExitStatus) -> Option<Exit> {
 fn cause(status: ExitStatus) -> String {
     match status.signal() {
         None => "a defect; please report it".to_owned(),
-        Some(signal) if signal == Signal::BUS.as_raw() => match free_memory() {
+        Some(signal) if signal == Signal::BUS.as_raw() => match bus::free_memory() {
             Some(free) => {
                 format!("SIGBUS: no shared memory was left; now /dev/shm has {free} bytes free")
             }
@@ -129,11 +129,6 @@ fn cause(status: ExitStatus) -> String {
             None => format!("signal {signal}"),
         },
     }
-}
-
-fn free_memory() -> Option<u64> {
-    let memory = rustix::fs::statvfs("/dev/shm").ok()?;
-    Some(memory.f_bavail.saturating_mul(memory.f_frsize))
 }
 
 /// Waits; whether the process is asked to end meanwhile.

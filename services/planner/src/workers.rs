@@ -148,9 +148,12 @@ impl Workers {
     pub(crate) fn free(&self, bytes: usize) {
         if bytes > 0 {
             let mut state = self.shared.lock();
+            let was_full = state.unsent > self.shared.limits.bytes;
             state.unsent = state.unsent.saturating_sub(bytes);
             drop(state);
-            self.shared.turn.notify_all();
+            if was_full {
+                self.shared.turn.notify_all();
+            }
         }
     }
 

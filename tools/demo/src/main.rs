@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use bus::{CallError, Client, Domain};
+use bus::{CallError, Client, Domain, Wait};
 use clap::Parser;
 use comparison::check;
 use comparison::compare::Tolerance;
@@ -75,7 +75,7 @@ fn run(arguments: Arguments) -> Result<Exit, Error> {
     let tidy = Tidy(&domain);
 
     let planner = Child::start(Role::Planner, &domain, &recording)?;
-    let mut client = processes::connect(&domain, PATIENCE)?;
+    let mut client = Client::connect_within(&domain, Wait::Hybrid, PATIENCE)?;
     let recorder = Child::start(Role::Recorder, &domain, &recording)?;
     processes::wait_for_file(&recording, PATIENCE)?;
 

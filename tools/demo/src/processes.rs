@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bus::{CallError, Client, ConnectError, Domain, Server, Wait};
+use bus::{CallError, Domain, Server};
 use configuration::Config;
 use program::{Diagnostics, Exit};
 use recorder::Settings;
@@ -134,19 +134,6 @@ pub(crate) struct Tidy<'a>(pub(crate) &'a Domain);
 impl Drop for Tidy<'_> {
     fn drop(&mut self) {
         self.0.tidy();
-    }
-}
-
-/// A connection to the planner, as soon as it is up.
-pub(crate) fn connect(domain: &Domain, patience: Duration) -> Result<Client, Error> {
-    let until = Instant::now() + patience;
-    loop {
-        match Client::connect(domain, Wait::Hybrid) {
-            Err(ConnectError::NoPlanner { .. }) if Instant::now() < until && !bus::terminated() => {
-                std::thread::sleep(Duration::from_millis(5));
-            }
-            done => return Ok(done?),
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use answer::Answerer;
 use bus::{CallError, Client, ConnectError, Domain, Wait};
@@ -119,18 +119,11 @@ fn asked_to_end(arguments: &Arguments) -> Option<i32> {
 
 /// Connects to the planner of a domain, if need be as soon as it has started.
 pub(crate) fn connect(domain: &Domain, wait: Duration) -> Result<Client, Failure> {
-    const LOOK: Duration = Duration::from_millis(50);
-    let begin = Instant::now();
-    loop {
-        match Client::connect(domain, Wait::Hybrid) {
-            Err(ConnectError::NoPlanner { .. }) if bus::terminated() => {
-                return Err(CallError::Interrupted.into());
-            }
-            Err(ConnectError::NoPlanner { .. }) if begin.elapsed() < wait => {
-                std::thread::sleep(LOOK.min(wait.saturating_sub(begin.elapsed())));
-            }
-            done => return Ok(done?),
+    match Client::connect_within(domain, Wait::Hybrid, wait) {
+        Err(ConnectError::NoPlanner { .. }) if bus::terminated() => {
+            Err(CallError::Interrupted.into())
         }
+        done => Ok(done?),
     }
 }
 

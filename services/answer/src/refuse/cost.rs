@@ -14,22 +14,7 @@ pub(super) fn is_final(spent: &Spent) -> bool {
 pub(super) fn spent(spent: Spent, reason: Option<StopReason>) -> Refusal {
     match spent {
         Spent::Limit { cap, most } => too_costly(cap, most),
-        Spent::Stopped => match reason {
-            Some(StopReason::Shutdown) => {
-                let message = "the planner is shutting down; send the request again";
-                Refusal::new(ErrorCode::Overloaded, message)
-            }
-            Some(StopReason::ClientLeft | StopReason::HandedOver) => {
-                // Nobody reads it.
-                Refusal::new(ErrorCode::DeadlineExceeded, "the client left before the answer")
-            }
-            Some(StopReason::Deadline) | None => {
-                let message = "the deadline passed before the answer was found; allow more time, \
-                               or simplify the scene";
-                let field = Some("deadline".to_owned());
-                Refusal { field, ..Refusal::new(ErrorCode::DeadlineExceeded, message) }
-            }
-        },
+        Spent::Stopped => reason.unwrap_or(StopReason::Deadline).refusal(),
     }
 }
 

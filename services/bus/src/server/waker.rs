@@ -37,7 +37,7 @@ impl Waker {
     /// From now on it is not woken. What was done before [`Waker::wake`] is seen.
     pub(super) fn reset(&self) {
         if self.is_woken() {
-            // In this order: who wakes in between rings the bell again.
+            // What is done between the two is seen as well: whoever resets looks afterwards.
             let _ = rustix::io::read(&self.0.bell, &mut [0_u8; 8]);
             self.0.woken.store(false, Ordering::Release);
         }

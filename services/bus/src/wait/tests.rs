@@ -175,6 +175,6 @@ fn without_silencing_wake_ups_are_slept_over() {
 fn a_wait_ends_with_its_limit() {
     let begin = Instant::now();
     for how in [Wait::Event, Wait::Hybrid, Wait::Poll] {
-        assert_eq!(wait(how, (None, &[]), Some(begin), || false), Woken::Look);
+        assert_eq!(wait(how, (None, std::iter::empty()), Some(begin), || false), Woken::Look);
     }
 }
