@@ -130,9 +130,12 @@ impl Shared {
         };
         open(directory.path());
         for name in ["planner", "plan"] {
-            let copy = directory.path().join(name);
-            std::fs::copy(program(name), &copy).unwrap();
-            open(&copy);
+            let shared = directory.path().join(name);
+            // A copy only where it must be: programs with what debuggers need are large.
+            if std::fs::hard_link(program(name), &shared).is_err() {
+                std::fs::copy(program(name), &shared).unwrap();
+            }
+            open(&shared);
         }
         let scene = directory.path().join("scene.json");
         std::fs::write(&scene, scene_text("disassemble-channels.json")).unwrap();
