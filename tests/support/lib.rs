@@ -2,8 +2,10 @@
 //! domains that must be empty in the end.
 
 mod domain;
+pub mod load;
 mod process;
 mod programs;
+pub mod raw;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -3,54 +3,21 @@
 use std::time::{Duration, Instant};
 
 use bus::{CallError, Client, Wait};
-use iceoryx2::prelude::*;
-use integration_tests::{LONG, Signal, TestDomain, kill_pid, scene, serving, wait_for};
+use fastrand::Rng;
+use integration_tests::load::short;
+use integration_tests::raw::{CHANNEL, ELEMENTS, End, Memory, OwnFields, RawClient};
+use integration_tests::{
+    LONG, Signal, TestDomain, kill_pid, scene, scene_files, serving, wait_for,
+};
+use schemas::json::read_scene;
 use schemas::message::SceneRequest;
 
-/// A request's header in version 1, which every planner serves as well.
-#[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
-#[repr(C)]
-#[type_name("clearway::RequestHeader#35c7081f0ebf6be2")]
-struct RawRequest([[u64; 17]; 2]);
-
-#[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
-#[repr(C)]
-#[type_name("clearway::ReplyHeader#35c7081f0ebf6be2")]
-struct RawReply([u64; 19]);
-
-/// Where iceoryx2 keeps its own fields of a request (`service/header/request_response.rs`), in
-/// cells of 8 bytes: node and client (two each), channel, request, count of elements.
-const CHANNEL: usize = 4;
-const ELEMENTS: usize = 6;
-
-/// Sends a request of `cells` cells, after `spoil` has had iceoryx2's header of it.
-fn send_raw(test: &TestDomain, cells: usize, spoil: impl FnOnce(&mut [u64; 8])) {
-    let settings = test.root().join(format!("{}.toml", test.domain().name()));
-    let settings = FilePath::new(settings.as_os_str().as_encoded_bytes()).unwrap();
-    let config = Config::from_file(&settings).unwrap();
-    let node = NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap();
-    let service = node
-        .service_builder(&"clearway/plan".try_into().unwrap())
-        .request_response::<[u64], [u64]>()
-        .request_user_header::<RawRequest>()
-        .response_user_header::<RawReply>()
-        .open()
-        .unwrap();
-    let client = service.client_builder().initial_max_slice_len(cells.max(1)).create().unwrap();
-    let request = client.loan_slice_uninit(cells).unwrap().write_from_fn(|_| 0);
-    let header = std::ptr::from_ref(request.header()).cast_mut().cast::<[u64; 8]>();
-    #[expect(unsafe_code, reason = "a peer can write what it likes into its own memory")]
-    // SAFETY: the header is 64 bytes of memory that this process has mapped to write, and nothing
-    // here reads it meanwhile.
-    unsafe {
-        let mut words = header.read();
-        spoil(&mut words);
-        header.write(words);
-    }
-    let pending = request.send();
-    // It stays until the planner has had a look.
-    std::thread::sleep(Duration::from_millis(100));
-    drop(pending);
+/// Sends a request of four cells, after `spoil` has had the library's own fields of it.
+fn send_raw(test: &TestDomain, spoil: impl FnOnce(&mut OwnFields)) {
+    let client = RawClient::connect(&test.domain()).unwrap();
+    let memory = Memory { cells: vec![0; 4], ..Memory::default() };
+    let pending = client.send(&memory, spoil).unwrap();
+    pending.end(Duration::from_millis(100), || {});
 }
 
 fn small(id: u64) -> SceneRequest {
@@ -72,13 +39,79 @@ fn a_false_count_of_elements_is_refused_without_harm() {
     let _planner = test.planner(&[]);
     let before = serving(&test);
     for count in [1 << 20, 1 << 40, u64::MAX / 8, u64::MAX] {
-        send_raw(&test, 4, |header| {
+        send_raw(&test, |header| {
             assert_eq!(header[ELEMENTS], 4, "the header is as expected");
             header[ELEMENTS] = count;
         });
         check_serves(&test);
     }
     assert_eq!(serving(&test), before, "the serving process lives on");
+}
+
+/// Payloads sent to one planner; `CLEARWAY_PAYLOADS` asks for more.
+const PAYLOADS: u32 = 10_000;
+
+/// Whatever is written into a request, also while it is read: it is answered or refused, and so is
+/// everybody else's, by the same process.
+#[test]
+fn nonsense_is_refused_and_harms_nobody() {
+    let payloads =
+        std::env::var("CLEARWAY_PAYLOADS").map_or(PAYLOADS, |text| text.parse().unwrap());
+    let test = TestDomain::new();
+    // Nonsense that makes sense after all shall not take long.
+    let caps = "[caps]\nsteps = 1_000_000\nsamples = 5_000\nanswers = 50\nbytes = 67_108_864";
+    test.write("planner.toml", caps);
+    let planner = test.planner(&["--config", "planner.toml"]);
+    let before = serving(&test);
+    let scenes: Vec<_> = scene_files()
+        .iter()
+        .map(|path| Memory::of(&read_scene(&std::fs::read_to_string(path).unwrap()).unwrap()))
+        .collect();
+    let honest = test.connect();
+    let expected = honest.call(&short(1), LONG).unwrap().answers.unwrap();
+    let peer = RawClient::connect(&test.domain()).unwrap();
+    let mut rng = Rng::with_seed(7);
+    let mut warm = 0;
+    for number in 0..payloads {
+        let mut memory = scenes[rng.usize(..scenes.len())].clone();
+        let (changes, lies) = (rng.u8(..4) == 0, rng.u8(..50) == 0);
+        if !changes {
+            memory.spoil(&mut rng);
+        }
+        let elements = rng.u64(..) >> rng.u8(..64);
+        let pending = peer.send(&memory, |own| {
+            if lies {
+                own[ELEMENTS] = elements;
+            }
+        });
+        let pending = pending.expect("one is open at a time");
+        let scribble = || {
+            if changes {
+                pending.scribble(&mut rng);
+            }
+        };
+        let end = pending.end(LONG, scribble);
+        assert_eq!(end, End::Whole, "payload {number}: {memory:?}");
+        if number % 100 == 0 {
+            assert_eq!(honest.call(&short(1), LONG).unwrap().answers.as_ref(), Ok(&expected));
+        }
+        if number == payloads / 4 {
+            warm = resident(before);
+        }
+    }
+    let after = resident(before);
+    assert_eq!(serving(&test), before, "the serving process lives on");
+    println!("{payloads} payloads; {warm} kB after a quarter of them, {after} kB in the end");
+    assert!(after < warm + 16_384, "{after} kB, after a quarter of them {warm} kB");
+    drop((honest, peer));
+    assert_eq!(planner.stop().code, Some(0));
+}
+
+/// Memory of a process that it shares with nobody, kB.
+fn resident(process: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse().unwrap()
 }
 
 /// iceoryx2 panics where it takes such a request.
@@ -88,7 +121,7 @@ fn a_false_channel_costs_the_serving_process_only() {
     let mut planner = test.planner(&[]);
     for _ in 0..2 {
         let before = serving(&test);
-        send_raw(&test, 4, |header| header[CHANNEL] = 100);
+        send_raw(&test, |header| header[CHANNEL] = 100);
         planner.wait_until_it_says("starting another");
         check_serves(&test);
         assert_ne!(serving(&test), before);
