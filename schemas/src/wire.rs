@@ -21,6 +21,10 @@ use serde::{Deserialize, Serialize};
 /// Version of the layout. A request with another is refused (`unsupported_version`).
 pub const VERSION: u32 = 2;
 
+/// In place of the version, where all else is 0: a request that asks for nothing. The planner drops
+/// it unanswered, by which a client that leaves learns that its requests before were taken.
+pub const FAREWELL: u32 = u32::MAX;
+
 /// Most cells in one part of a reply: 32 KiB. Longer replies are split, so reply size
 /// is unlimited while the memory per client stays small.
 pub const PART_CELLS: usize = 4_096;

@@ -72,7 +72,11 @@ impl RawClient {
     pub fn connect(domain: &Domain) -> Option<Self> {
         let settings = domain.root().ok()?.join(format!("{}.toml", domain.name()));
         let settings = FilePath::new(settings.as_os_str().as_encoded_bytes()).ok()?;
-        let config = Config::from_file(&settings).ok()?;
+        let mut config = Config::from_file(&settings).ok()?;
+        // The planner does that, with more care.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
         let node = NodeBuilder::new().config(&config).create::<ipc::Service>().ok()?;
         let service = node
             .service_builder(&topic::PLAN.try_into().ok()?)

@@ -33,6 +33,12 @@ type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyH
 /// How long a planner that ends takes from its last reply to its end, mostly.
 const ENDING: Duration = Duration::from_millis(50);
 
+/// How long a client that leaves waits until its last requests are taken.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+/// How long the places of clients that died stay taken while a planner lives, mostly.
+const CLEARED: Duration = Duration::from_secs(3);
+
 /// How often a client that waits for a planner looks for one.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -67,6 +73,8 @@ pub struct Client {
     nonce: u64,
     sequence: Cell<u64>,
     cells: RefCell<Vec<u64>>,
+    /// Whether a request was dropped that the planner may not have taken yet.
+    dropped: Cell<bool>,
     plan: ports::Plan<Current>,
     /// The planner's process, if it can be watched.
     planner: RefCell<Option<Process>>,
@@ -77,7 +85,18 @@ impl Client {
     /// Connects to the planner of a domain.
     pub fn connect(domain: &Domain, how: Wait) -> Result<Self, ConnectError> {
         let nonce = getrandom::u64().map_err(|error| ConnectError::Random(error.to_string()))?;
-        Self::connect_as(domain, how, nonce)
+        let until = Instant::now() + CLEARED;
+        // Who has a place may have died, and may be cleared away between two looks.
+        let mut had_dead = true;
+        loop {
+            match Self::connect_as(domain, how, nonce) {
+                Err(ConnectError::Full { .. }) if had_dead && Instant::now() < until => {
+                    had_dead = domain.has_dead();
+                    std::thread::sleep(LOOK);
+                }
+                done => return done,
+            }
+        }
     }
 
     /// The same, as soon as a planner has started, which may take so long. A signal that asks to
@@ -150,6 +169,7 @@ impl Client {
             nonce,
             sequence: Cell::new(0),
             cells: RefCell::default(),
+            dropped: Cell::new(false),
             planner: RefCell::new(planner_of(&plan)),
             plan,
             node,
@@ -187,13 +207,18 @@ impl Client {
             }
             error => CallError::Send(error.into()),
         })?;
+        self.ring();
+        Ok(Pending { awaited, key, client: self, has_last: Cell::new(false) })
+    }
+
+    /// Wakes the planner if it sleeps.
+    fn ring(&self) {
         if self.wake.dynamic_config().number_of_listeners() > 0
             && let Err(error) = self.ringer.notify()
         {
             // The request is sent; a sleeping planner looks before long.
             tracing::debug!(?error, "can't ring");
         }
-        Ok(Pending { awaited, key, client: self })
     }
 
     /// Why a reply ends before it is whole.
@@ -250,6 +275,27 @@ impl Client {
     }
 }
 
+impl Drop for Client {
+    /// Leaves when the planner has taken what was sent and dropped, if it does so soon. Requests
+    /// of a client that is gone keep its memory mapped in the planner for good, by a fault of
+    /// iceoryx2 0.10.
+    fn drop(&mut self) {
+        if !self.dropped.get() {
+            return;
+        }
+        let Ok(mut request) = self.port.loan_slice_uninit(0) else { return };
+        let header = wire::RequestHeader { version: wire::FAREWELL, ..Default::default() };
+        request.user_header_mut().set(header);
+        let Ok(farewell) = request.write_from_slice(&[]).send() else { return };
+        self.ring();
+        let until = Instant::now() + FAREWELL;
+        let has_ended = || self.planner.borrow().as_ref().is_some_and(Process::has_ended);
+        while farewell.is_connected() && Instant::now() < until && !has_ended() {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+    }
+}
+
 /// The process of the planner that serves these requests.
 fn planner_of(plan: &ports::Plan<Current>) -> Option<Process> {
     let mut node = None;
@@ -266,6 +312,8 @@ pub struct Pending<'a> {
     awaited: Awaited,
     key: RequestKey,
     client: &'a Client,
+    /// Whether the last part of the reply has come.
+    has_last: Cell<bool>,
 }
 
 impl Pending<'_> {
@@ -287,6 +335,7 @@ impl Pending<'_> {
                 Ok(Some(part)) => {
                     let header = part.user_header().plain();
                     if self.accept(header) {
+                        self.has_last.set(header.last != 0);
                         return Ok(Some(take(header, part.payload())));
                     }
                     tracing::debug!(
@@ -370,6 +419,9 @@ impl Drop for Pending<'_> {
     fn drop(&mut self) {
         // The next request in this place needs the room.
         while let Ok(Some(_)) = self.awaited.receive() {}
+        if !self.has_last.get() {
+            self.client.dropped.set(true);
+        }
     }
 }
 

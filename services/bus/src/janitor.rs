@@ -13,7 +13,6 @@ use std::time::Duration;
 
 use iceoryx2::node::{DeadNodeView, NodeCleanupFailure, NodeState, NodeView};
 use iceoryx2::prelude::{CallbackProgression, Node, ipc};
-use iceoryx2::service::Service;
 
 use crate::presence::{self, Visitor};
 use crate::root::Root;
@@ -25,17 +24,45 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// Within a process, iceoryx2 clears away in one thread at a time.
 static CLEARING: Mutex<()> = Mutex::new(());
 
-/// Clears away what died, if anything has: else it costs about 3 µs for each that lives.
-pub(crate) fn sweep(chosen: Option<&Path>, site: &Site) {
-    let visitors: Vec<_> = presence::visitors(site).collect();
-    // Others than our programs show no presence; of them only iceoryx2 knows.
-    let nodes = site::names(&site.nodes()).filter(|name| name.ends_with(".node_monitor")).count();
-    if nodes <= visitors.len() && visitors.iter().all(|visitor| visitor.lives) {
-        return;
-    }
-    if let Ok(Some(_root)) = Root::lock(chosen, false, PATIENCE) {
+/// Clears away what died, if anything has and it is up to `role`: else it costs about 3 µs for each
+/// that lives.
+pub(crate) fn sweep(chosen: Option<&Path>, site: &Site, role: &str) {
+    if is_up_to(role, site)
+        && let Ok(Some(_root)) = Root::lock(chosen, false, PATIENCE)
+    {
         clear(site);
     }
+}
+
+/// Whether there is something to clear away that nobody does better. Dead clients are up to the
+/// planner as long as it lives: it takes their requests before, because iceoryx2 loses those whose
+/// client is gone.
+pub(crate) fn is_up_to(role: &str, site: &Site) -> bool {
+    let (visitors, strangers) = members(site);
+    let is_client = |visitor: &Visitor| visitor.role == Visitor::CLIENT;
+    let dead: Vec<_> = visitors.iter().filter(|visitor| !visitor.lives).collect();
+    let planner_lives =
+        || visitors.iter().any(|visitor| visitor.lives && visitor.role == Visitor::PLANNER);
+    match role {
+        Visitor::PLANNER => strangers || !dead.is_empty(),
+        _ if strangers || dead.iter().any(|visitor| is_client(visitor)) => !planner_lives(),
+        _ => !dead.is_empty(),
+    }
+}
+
+/// Whether anybody may have died in a domain.
+pub(crate) fn has_dead(site: &Site) -> bool {
+    let (visitors, strangers) = members(site);
+    strangers || visitors.iter().any(|visitor| !visitor.lives)
+}
+
+/// Our programs in a domain, and whether there may be others: they show no presence, so that only
+/// iceoryx2 knows of them.
+fn members(site: &Site) -> (Vec<Visitor>, bool) {
+    let visitors: Vec<_> = presence::visitors(site).collect();
+    let nodes = site::names(&site.nodes()).filter(|name| name.ends_with(".node_monitor")).count();
+    let strangers = nodes > visitors.len();
+    (visitors, strangers)
 }
 
 /// Whether nobody lives in a domain. Asked under the lock of the root, it stays true.
@@ -149,14 +176,25 @@ fn remove_services(site: &Site, living: &BTreeSet<u32>) -> Option<BTreeSet<Strin
     for unused in found.iter().filter(|name| !used.contains(*name)) {
         let _ = std::fs::remove_file(directory.join(unused));
     }
-    let mut kept = BTreeSet::new();
-    let listed = ipc::Service::list(&site.config(), |service| {
-        kept.insert(service.static_details.unique_service_id().value());
-        CallbackProgression::Continue
-    });
-    listed.ok()?;
+    let kept: Option<BTreeSet<_>> = found
+        .iter()
+        .filter(|name| used.contains(*name))
+        .map(|name| number_of(&std::fs::read_to_string(directory.join(name)).ok()?))
+        .collect();
+    let kept = kept?;
     let names = site.in_memory().into_iter();
     Some(names.filter(|name| numbers(name).any(|number| kept.contains(&number))).collect())
+}
+
+/// The number of a service, which the names of its files in memory have, from its settings in
+/// iceoryx2's file. (iceoryx2 itself looks at every node for every service that it lists.)
+fn number_of(settings: &str) -> Option<u128> {
+    let (_, number) = settings.split_once("[unique_service_id]")?;
+    let part = |name| {
+        let value = number.lines().find_map(|line| line.strip_prefix(name))?;
+        value.trim().strip_prefix('=')?.trim().parse::<u64>().ok()
+    };
+    Some(u128::from(part("unique_value")?) << 64 | u128::from(part("payload_value")?))
 }
 
 /// The processes whose numbers a file's name has.
@@ -177,4 +215,40 @@ fn numbers(name: &str) -> impl Iterator<Item = u128> {
 fn process(number: u128) -> Option<u32> {
     let process = (number >> 64) as u32;
     (process != 0).then_some(process)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::server::Server;
+    use crate::test_domain::TestRoot;
+    use crate::{Domain, ServerOptions};
+
+    #[test]
+    fn files_of_services_that_are_used_are_known() {
+        let root = TestRoot::new();
+        let domain = Domain::new("used").unwrap().under(root.path());
+        let _server = Server::open(&domain, &ServerOptions::default()).unwrap();
+        let site = Site::find(root.path(), "used").unwrap().unwrap();
+        let services = site.directory().join("services");
+        let numbers_of_services: BTreeSet<_> = site::names(&services)
+            .map(|name| number_of(&std::fs::read_to_string(services.join(name)).unwrap()).unwrap())
+            .collect();
+        let files = site.in_memory();
+        let dynamic: BTreeSet<_> = files
+            .iter()
+            .filter(|name| name.ends_with(".dynamic"))
+            .flat_map(|name| numbers(name))
+            .collect();
+        assert!(dynamic.len() > 4);
+        assert_eq!(dynamic, numbers_of_services);
+        let living = BTreeSet::from([std::process::id()]);
+        let kept = remove_services(&site, &living).unwrap();
+        assert!(
+            files.iter().filter(|name| name.ends_with(".dynamic")).all(|name| kept.contains(name))
+        );
+        // Nobody uses them.
+        assert_eq!(remove_services(&site, &BTreeSet::new()), Some(BTreeSet::new()));
+        assert_eq!(site::names(&services).count(), 0);
+    }
 }

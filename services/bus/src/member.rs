@@ -33,16 +33,24 @@ pub(crate) struct Member {
 #[derive(Debug)]
 struct Stay {
     domain: Domain,
+    role: &'static str,
     site: Site,
     presence: Option<Presence>,
     _kept: File,
 }
 
 impl Member {
-    /// Clears away programs that died in the domain, if there are any. Cheap if there are none.
+    /// Clears away programs that died in the domain, if there are any and no planner does it.
+    /// Cheap if there are none.
     pub(crate) fn sweep(&self) {
-        self.stay.site.renew();
-        janitor::sweep(self.stay.domain.chosen_root(), &self.stay.site);
+        let Stay { domain, role, site, .. } = &self.stay;
+        site.renew();
+        janitor::sweep(domain.chosen_root(), site, role);
+    }
+
+    /// Whether anybody has died in the domain and is not cleared away.
+    pub(crate) fn has_dead(&self) -> bool {
+        janitor::has_dead(&self.stay.site)
     }
 }
 
@@ -63,7 +71,7 @@ impl Drop for Stay {
 
 impl Domain {
     /// Joins this domain as `role`, after clearing away what died in it.
-    pub(crate) fn join(&self, role: &str) -> Result<Member, DomainError> {
+    pub(crate) fn join(&self, role: &'static str) -> Result<Member, DomainError> {
         log::forward_to_tracing();
         let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
         wait::handle_signals().map_err(failed)?;
@@ -78,7 +86,7 @@ impl Domain {
     }
 
     /// Shows in this domain that the program lives. It is made if nobody is there.
-    fn stay(&self, role: &str) -> Result<Stay, DomainError> {
+    fn stay(&self, role: &'static str) -> Result<Stay, DomainError> {
         let root = Root::lock(self.chosen_root(), true, PATIENCE)?;
         let root = root.expect("it was made if it was missing");
         let failed = |problem| RootError { path: root.path().to_owned(), problem };
@@ -90,14 +98,22 @@ impl Domain {
         let site = match site {
             Some(site) => {
                 site.furnish().map_err(|error| failed(error.into()))?;
-                janitor::clear(&site);
+                if janitor::is_up_to(role, &site) {
+                    janitor::clear(&site);
+                }
                 site
             }
             None => Site::create(root.path(), self.name()).map_err(failed)?,
         };
         let presence = Presence::show(&site, role).map_err(|error| failed(error.into()))?;
         let kept = site.keep().map_err(|error| failed(error.into()))?;
-        Ok(Stay { domain: self.clone(), site, presence: Some(presence), _kept: kept })
+        Ok(Stay { domain: self.clone(), role, site, presence: Some(presence), _kept: kept })
+    }
+
+    /// Whether anybody has died in this domain and is not cleared away.
+    pub(crate) fn has_dead(&self) -> bool {
+        let site = self.root().ok().and_then(|root| Site::find(&root, self.name()).ok().flatten());
+        site.is_some_and(|site| janitor::has_dead(&site))
     }
 
     /// Removes what is left of this domain if nobody lives in it.

@@ -10,18 +10,21 @@ pub use reply::{ClientWatch, Incoming, ReplySink};
 pub use waker::Waker;
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::os::fd::AsFd;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
+use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{CallbackProgression, PortFactory, ipc};
 use iceoryx2::service::port_factory::server::ServerCreateError;
+use schemas::wire;
 
 use crate::cause::Cause;
 use crate::domain::Domain;
 use crate::error::OpenError;
-use crate::headers::{Current, Version};
+use crate::headers::{Current, UserHeader, Version};
 use crate::member::Member;
 use crate::options::ServerOptions;
 use crate::ports::{self, PlanRequest, PlanServer};
@@ -75,6 +78,8 @@ pub struct Server {
     /// None if the planner polls.
     bell: Option<Listener<ipc::Service>>,
     plans: (ports::Plan<Previous>, ports::Plan<Current>),
+    /// Requests that were taken before their time.
+    backlog: VecDeque<Incoming>,
     desk: Rc<RefCell<Desk>>,
     waker: Waker,
     deaths: Deaths,
@@ -83,8 +88,9 @@ pub struct Server {
     _wake: ports::Bell,
     node: Member,
     how: Wait,
-    /// The last look for peers that died.
+    /// The last look for peers that died, and whether it is time for another.
     swept: Instant,
+    sweep_due: bool,
 }
 
 impl Server {
@@ -153,6 +159,7 @@ impl Server {
             previous_first: false,
             bell,
             plans: (previous_plan, current_plan),
+            backlog: VecDeque::new(),
             status: StatusWriter::create(&status).map_err(failed(STATUS))?,
             desk: Rc::new(RefCell::new(desk)),
             waker,
@@ -161,11 +168,27 @@ impl Server {
             node,
             how: options.wait,
             swept: Instant::now(),
+            sweep_due: false,
         })
     }
 
     /// The next request, if one waits.
+    ///
+    /// Requests whose clients have left are to be dropped before: see [`Server::see_who_left`].
     pub fn receive(&mut self) -> Option<Incoming> {
+        if self.sweep_due {
+            self.sweep();
+        }
+        while let Some(incoming) = self.backlog.pop_front() {
+            if incoming.is_waiting() {
+                return Some(incoming);
+            }
+        }
+        self.take()
+    }
+
+    /// The next request in shared memory.
+    fn take(&mut self) -> Option<Incoming> {
         let current = || take::<Current>(&self.current).map(Active::Current);
         let previous = || take::<Previous>(&self.previous).map(Active::Previous);
         let active = match self.previous_first {
@@ -176,13 +199,23 @@ impl Server {
         Some(Incoming::new(active, Rc::clone(&self.desk)))
     }
 
+    /// Learns which clients have left: [`Incoming::is_waiting`] is false for theirs then.
+    ///
+    /// While such a request is held, iceoryx2 0.10 can't forget its client; and where it forgets
+    /// two others meanwhile, it loses track of that one, whose memory stays mapped for good.
+    pub fn see_who_left(&mut self) {
+        // Those that died half connected are of no interest here.
+        let _ = (self.current.update_connections(), self.previous.update_connections());
+        self.backlog.retain(Incoming::is_waiting);
+    }
+
     /// Whether a request waits, or another thread has woken this server.
     pub fn has_work(&self) -> bool {
         let has_requests = || {
             self.current.has_requests().unwrap_or(true)
                 || self.previous.has_requests().unwrap_or(true)
         };
-        self.waker.is_woken() || has_requests()
+        self.waker.is_woken() || !self.backlog.is_empty() || has_requests()
     }
 
     /// Wakes this server from another thread.
@@ -198,9 +231,7 @@ impl Server {
         let died = self.deaths.any();
         self.waker.reset();
         self.desk.borrow_mut().tap.heartbeat();
-        if died || self.swept.elapsed() >= SWEEP {
-            self.sweep();
-        }
+        self.sweep_due |= died || self.swept.elapsed() >= SWEEP;
         woken
     }
 
@@ -244,9 +275,15 @@ impl Server {
     /// Clears away the peers that died. The dead keep their memory, and a dead recorder keeps the
     /// tap busy, until somebody does.
     pub fn sweep(&mut self) {
+        if self.node.has_dead() {
+            // What iceoryx2 0.10 finds of a client that is gone, it never gives back.
+            while let Some(incoming) = self.take() {
+                self.backlog.push_back(incoming);
+            }
+        }
         self.node.sweep();
         self.deaths.forget_dead();
-        self.swept = Instant::now();
+        (self.swept, self.sweep_due) = (Instant::now(), false);
     }
 
     /// Whether a signal has asked to end; for use under unbroken load.
@@ -261,11 +298,28 @@ const TAKE_OVER: Duration = Duration::from_millis(300);
 /// How often a planner looks for peers that died: about 0.1 ms for each that lives.
 const SWEEP: Duration = Duration::from_secs(1);
 
+/// Errors in a row after which the others have to wait for another try.
+const ERRORS: u32 = 3;
+
 /// The next request of a version.
 fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {
-    port.receive().unwrap_or_else(|error| {
-        // A client died half connected; the others go on.
-        tracing::warn!(cause = %Cause::from(error), "can't receive from a client");
-        None
-    })
+    // A client that died half connected is an error once; the others go on.
+    let mut errors = 0;
+    while errors < ERRORS {
+        match port.receive() {
+            // Dropping it is the answer.
+            Ok(Some(request)) if is_farewell(&V::upgrade(request.user_header().plain())) => {}
+            Ok(request) => return request,
+            Err(error) => {
+                tracing::warn!(cause = %Cause::from(error), "can't receive from a client");
+                errors += 1;
+            }
+        }
+    }
+    None
+}
+
+/// Whether a client only wants to know that its requests before were taken.
+fn is_farewell(header: &wire::RequestHeader) -> bool {
+    *header == wire::RequestHeader { version: wire::FAREWELL, ..Default::default() }
 }

@@ -194,6 +194,8 @@ impl Site {
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
+        // Clients that leave before their requests are taken stay in it; full, it ends the planner.
+        config.defaults.request_response.server_expired_connection_buffer = 1024;
         config
     }
 

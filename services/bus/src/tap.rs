@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use iceoryx2::identifiers::UniquePublisherId;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{AllocationStrategy, PortFactory, ipc};
 use schemas::convert::{self, Malformed};
 use schemas::message::{ReplyPart, Request};
@@ -75,11 +76,16 @@ impl TapWriter {
         }
     }
 
-    /// Announces the next sequence number, if it is time to and anybody listens.
+    /// If it is time to, announces the next sequence number, or forgets the last who listened.
     pub(crate) fn heartbeat(&mut self) {
-        if self.beaten.elapsed() >= HEARTBEAT && self.listened_to() {
-            self.beaten = Instant::now();
+        if self.beaten.elapsed() < HEARTBEAT {
+            return;
+        }
+        self.beaten = Instant::now();
+        if self.listened_to() {
             self.send(BEAT, self.sequence, Piece { index: 0, ends: true }, &[], &[]);
+        } else if let Err(error) = self.port.update_connections() {
+            tracing::debug!(?error, "can't forget a recorder");
         }
     }
 

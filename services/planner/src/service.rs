@@ -164,7 +164,7 @@ impl<'a> Service<'a> {
         self.hear_workers();
         let mut taken = 0;
         while taken < WITHOUT_PAUSE
-            && let Some(incoming) = self.server.receive()
+            && let Some(incoming) = self.receive()
         {
             self.take(incoming);
             taken += 1;
@@ -198,6 +198,18 @@ impl<'a> Service<'a> {
             }
         }
         false
+    }
+
+    /// The next request. Those of clients that have left are given up before; see
+    /// [`Server::see_who_left`].
+    fn receive(&mut self) -> Option<Incoming> {
+        if !self.in_hand.is_empty() {
+            self.server.see_who_left();
+            let gone = self.in_hand.iter().filter(|(_, request)| !request.incoming.is_waiting());
+            let gone: Vec<_> = gone.map(|(ticket, _)| *ticket).collect();
+            gone.into_iter().for_each(|ticket| self.give_up(ticket, &ReplyError::Gone));
+        }
+        self.server.receive()
     }
 
     /// Once a second, and when something has changed.

@@ -66,6 +66,10 @@ impl Active {
     }
 }
 
+/// How long to wait before another try to send a part for which there was no room: a try takes
+/// longer the more clients there are. Each one that fails doubles it.
+const PAUSE: (Duration, Duration) = (Duration::from_micros(50), Duration::from_millis(1));
+
 /// Memory of so many parts is used again.
 const SPARE: usize = 64;
 
@@ -102,6 +106,12 @@ pub(super) struct Part {
     cells: Vec<u64>,
 }
 
+impl Part {
+    fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+}
+
 /// How much of a reply has gone where.
 #[derive(Debug, Default)]
 struct Progress {
@@ -123,8 +133,20 @@ pub struct Incoming {
     progress: Progress,
     /// Parts for which there was no room, in order.
     waiting: VecDeque<Part>,
-    /// Since when the first of them has waited.
-    since: Option<Instant>,
+    /// Their bytes.
+    unsent: usize,
+    /// Why they wait.
+    held_up: Option<HeldUp>,
+}
+
+/// A reply whose client has no room.
+#[derive(Debug, Clone, Copy)]
+struct HeldUp {
+    /// Since when the first part has waited.
+    since: Instant,
+    /// When to try again, and how long to wait then.
+    next: Instant,
+    pause: Duration,
 }
 
 impl Incoming {
@@ -132,7 +154,8 @@ impl Incoming {
         let header = active.header();
         let wake = header.wake != 0;
         let waiting = desk.borrow_mut().spare.lists.pop().unwrap_or_default();
-        Self { active, header, desk, wake, progress: Progress::default(), waiting, since: None }
+        let progress = Progress::default();
+        Self { active, header, desk, wake, progress, waiting, unsent: 0, held_up: None }
     }
 
     /// Copies the request out of shared memory, where its sender could still change it, and gives
@@ -193,9 +216,9 @@ impl Incoming {
 
     /// The same, and who waits for it.
     pub fn reply_to_client(&mut self) -> (ReplySink<'_>, ClientWatch<'_>) {
-        let Self { active, header, desk, wake, progress, waiting, since } = self;
+        let Self { active, header, desk, wake, progress, waiting, unsent, held_up } = self;
         let to = Recipient { active, desk, wake, client: header.client, progress };
-        (ReplySink { to, waiting, since }, ClientWatch { active })
+        (ReplySink { to, waiting, unsent, held_up }, ClientWatch { active })
     }
 
     /// Takes a part that was written elsewhere.
@@ -215,7 +238,7 @@ impl Incoming {
     /// ([`ReplyOptions::patience`](crate::ReplyOptions)).
     pub fn flush(&mut self) -> Result<usize, ReplyError> {
         self.reply().flush()?;
-        Ok(self.waiting.iter().map(|part| size_of_val(part.cells.as_slice())).sum())
+        Ok(self.unsent)
     }
 
     /// Whether parts of the reply wait for room.
@@ -265,7 +288,8 @@ impl ClientWatch<'_> {
 pub struct ReplySink<'a> {
     to: Recipient<'a>,
     waiting: &'a mut VecDeque<Part>,
-    since: &'a mut Option<Instant>,
+    unsent: &'a mut usize,
+    held_up: &'a mut Option<HeldUp>,
 }
 
 impl PartSink for ReplySink<'_> {
@@ -299,25 +323,37 @@ impl ReplySink<'_> {
     }
 
     fn push(&mut self, part: Part) -> Result<(), ReplyError> {
+        *self.unsent += part.bytes();
         self.waiting.push_back(part);
         self.flush()
     }
 
     fn flush(&mut self) -> Result<(), ReplyError> {
-        while let Some(part) = self.waiting.front() {
-            if self.to.send(part)? {
-                *self.since = None;
-                let mut desk = self.to.desk.borrow_mut();
-                desk.spare.keep(self.waiting.pop_front());
-                continue;
-            }
-            let patience = self.to.desk.borrow().patience;
-            let now = Instant::now();
-            if now.duration_since(*self.since.get_or_insert(now)) > patience {
-                return Err(ReplyError::Slow { patience });
-            }
-            break;
+        if self.held_up.is_some_and(|held_up| Instant::now() < held_up.next) {
+            return Ok(());
         }
+        while let Some(part) = self.waiting.front() {
+            if !self.to.send(part)? {
+                return self.hold_up();
+            }
+            *self.held_up = None;
+            *self.unsent -= part.bytes();
+            self.to.desk.borrow_mut().spare.keep(self.waiting.pop_front());
+        }
+        Ok(())
+    }
+
+    /// The first part found no room.
+    fn hold_up(&mut self) -> Result<(), ReplyError> {
+        let now = Instant::now();
+        let (least, most) = PAUSE;
+        let HeldUp { since, pause, .. } =
+            self.held_up.unwrap_or(HeldUp { since: now, next: now, pause: least });
+        let patience = self.to.desk.borrow().patience;
+        if now.duration_since(since) > patience {
+            return Err(ReplyError::Slow { patience });
+        }
+        *self.held_up = Some(HeldUp { since, next: now + pause, pause: most.min(2 * pause) });
         Ok(())
     }
 }

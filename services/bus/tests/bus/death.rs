@@ -66,6 +66,7 @@ fn a_killed_client_is_no_longer_waited_for() {
     while incoming.is_waiting() {
         assert!(Instant::now() < until, "it is waited for");
         server.wait(None);
+        assert!(server.receive().is_none());
     }
 }
 
