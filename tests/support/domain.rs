@@ -65,8 +65,13 @@ impl TestDomain {
     /// Starts a program as it is told, in the directory of this test.
     pub fn start(&self, name: &str, arguments: &[&str], stdin: Option<&str>) -> Process {
         let mut command = Command::new(program(name));
-        command.args(arguments).current_dir(self.directory.path()).env_remove("RUST_LOG");
-        command.env(bus::ROOT_VARIABLE, self.root());
+        command.args(arguments).env_remove("RUST_LOG");
+        self.start_command(name, command, stdin)
+    }
+
+    /// The same for a program that others start, or in an environment of its own.
+    pub fn start_command(&self, name: &str, mut command: Command, stdin: Option<&str>) -> Process {
+        command.current_dir(self.directory.path()).env(bus::ROOT_VARIABLE, self.root());
         let number = self.started.fetch_add(1, Ordering::Relaxed);
         let outputs = self.path(&format!("{name}-{number}"));
         Process::start(name, command, outputs, stdin, Arc::clone(&self.killed))

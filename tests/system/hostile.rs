@@ -118,7 +118,7 @@ fn resident(process: u32) -> u64 {
 #[test]
 fn a_false_channel_costs_the_serving_process_only() {
     let test = TestDomain::new();
-    let mut planner = test.planner(&[]);
+    let mut planner = test.planner(&["--log-format", "json"]);
     for _ in 0..2 {
         let before = serving(&test);
         send_raw(&test, |header| header[CHANNEL] = 100);
@@ -126,6 +126,12 @@ fn a_false_channel_costs_the_serving_process_only() {
         check_serves(&test);
         assert_ne!(serving(&test), before);
     }
+    // Panics are objects as well, but for what an abort says without us.
+    let said = planner.stderr();
+    let lines = said.lines().filter(|line| !line.contains("non-unwinding panic"));
+    let objects = lines.map(serde_json::from_str::<serde_json::Value>);
+    let messages: Vec<_> = objects.map(|object| object.expect(&said)["message"].clone()).collect();
+    assert!(messages.iter().any(|said| said.to_string().contains("panicked at")), "{said}");
 }
 
 #[test]

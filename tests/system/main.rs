@@ -8,6 +8,7 @@ mod domains;
 mod end_to_end;
 mod golden;
 mod hostile;
+mod operation;
 mod plan;
 mod planner;
 mod read;

@@ -22,6 +22,7 @@ use crate::domain::Domain;
 use crate::error::{CallError, ConnectError};
 use crate::headers::{Current, ReplyHeader, RequestHeader, UserHeader};
 use crate::member::Member;
+use crate::memory;
 use crate::ports;
 use crate::presence::Visitor;
 use crate::process::Process;
@@ -38,6 +39,9 @@ const FAREWELL: Duration = Duration::from_secs(1);
 
 /// How long the places of clients that died stay taken while a planner lives, mostly.
 const CLEARED: Duration = Duration::from_secs(3);
+
+/// The longest request that every client has memory for from the start, cells.
+pub(crate) const SURE: usize = 1024;
 
 /// How often a client that waits for a planner looks for one.
 const LOOK: Duration = Duration::from_millis(20);
@@ -135,12 +139,14 @@ impl Client {
             Cause::Full => connect::full(domain, connect::CLIENTS, most_clients),
             cause => failed(cause),
         };
+        memory::check_room(memory::CONNECTION + memory::OPEN_REQUEST * most_open as u64)?;
         let port = plan
             .client_builder()
-            .initial_max_slice_len(1024)
+            .initial_max_slice_len(SURE)
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(|error| full(error.into()))?;
+        node.take_memory_of(port.id().value())?;
         // Replies to an earlier client in this place, and the end of its request, can still
         // reach this one: both go by the request's id, which starts at 0 in every client.
         // `accept` drops the replies by their key; different ids keep most of both away.
@@ -196,10 +202,17 @@ impl Client {
         self.sequence.set(key.sequence + 1);
         (header.client, header.sequence) = (key.client, key.sequence);
         header.wake = self.bell.is_some().into();
+        let is_large = cells.len() > SURE;
+        if is_large {
+            memory::check_room(memory::MANAGEMENT + size_of_val(cells) as u64)?;
+        }
         let mut request = self
             .port
             .loan_slice_uninit(cells.len())
             .map_err(|error| CallError::Send(error.into()))?;
+        if is_large {
+            memory::take_slice(request.payload_mut())?;
+        }
         request.user_header_mut().set(header);
         let awaited = request.write_from_slice(cells).send().map_err(|error| match error {
             RequestSendError::ExceedsMaxActiveRequests => {

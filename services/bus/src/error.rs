@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use crate::cause::Cause;
 use crate::domain::{Domain, DomainError};
+use crate::memory::Shortage;
 
 /// Why there is no connection to a planner.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -63,6 +64,17 @@ pub enum ConnectError {
         /// The planner's setting.
         setting: &'static str,
     },
+    /// Shared memory is too small; to connect even so could end the program by SIGBUS.
+    #[error(
+        "/dev/shm has {free} bytes free, connecting to the planner needs {needs}: remove files \
+         there, or enlarge it"
+    )]
+    SharedMemory {
+        /// Bytes needed.
+        needs: u64,
+        /// Bytes free.
+        free: u64,
+    },
     /// The operating system has no random numbers.
     #[error("can't draw a random number to identify this client: {0}")]
     Random(String),
@@ -96,6 +108,17 @@ pub enum CallError {
     TooManyRequests {
         /// How many the planner takes.
         most: usize,
+    },
+    /// Shared memory is too small for the request.
+    #[error(
+        "/dev/shm has {free} bytes free, this request needs {needs}: remove files there, or \
+         enlarge it"
+    )]
+    SharedMemory {
+        /// Bytes needed.
+        needs: u64,
+        /// Bytes free.
+        free: u64,
     },
     /// It could not be sent.
     #[error("can't send the request: {0}")]
@@ -206,4 +229,22 @@ pub enum ReplyError {
     /// The bus refused.
     #[error("can't send the reply: {0}")]
     Bus(Cause),
+}
+
+impl From<Shortage> for ConnectError {
+    fn from(Shortage { needs, free }: Shortage) -> Self {
+        Self::SharedMemory { needs, free }
+    }
+}
+
+impl From<Shortage> for CallError {
+    fn from(Shortage { needs, free }: Shortage) -> Self {
+        Self::SharedMemory { needs, free }
+    }
+}
+
+impl From<Shortage> for OpenError {
+    fn from(Shortage { needs, free }: Shortage) -> Self {
+        Self::SharedMemory { needs, free }
+    }
 }

@@ -197,13 +197,18 @@ fn number_of(settings: &str) -> Option<u128> {
     Some(u128::from(part("unique_value")?) << 64 | u128::from(part("payload_value")?))
 }
 
+/// Whether this process is one of those that made a file.
+pub(crate) fn is_mine(name: &str) -> bool {
+    makers(name).contains(&presence::host())
+}
+
 /// The processes whose numbers a file's name has.
 fn makers(name: &str) -> BTreeSet<u32> {
     numbers(name).filter_map(process).collect()
 }
 
 /// The numbers in the name of a file of iceoryx2, before its first dot.
-fn numbers(name: &str) -> impl Iterator<Item = u128> {
+pub(crate) fn numbers(name: &str) -> impl Iterator<Item = u128> {
     let stem = name.split('.').next().unwrap_or_default();
     stem.split('_')
         .filter(|part| part.bytes().all(|c| c.is_ascii_digit()))

@@ -10,6 +10,7 @@ use crate::cause::Cause;
 use crate::domain::{Domain, DomainError};
 use crate::janitor;
 use crate::log;
+use crate::memory::{self, Shortage};
 use crate::presence::Presence;
 use crate::root::{Root, RootError};
 use crate::site::Site;
@@ -51,6 +52,17 @@ impl Member {
     /// Whether anybody has died in the domain and is not cleared away.
     pub(crate) fn has_dead(&self) -> bool {
         janitor::has_dead(&self.stay.site)
+    }
+
+    /// Takes all memory of the files that this process has made in the domain.
+    pub(crate) fn take_memory(&self) -> Result<(), Shortage> {
+        memory::take_files(&self.stay.site.in_memory(), janitor::is_mine)
+    }
+
+    /// Takes all memory of the files that a port of this number has made.
+    pub(crate) fn take_memory_of(&self, port: u128) -> Result<(), Shortage> {
+        let wanted = |name: &str| janitor::numbers(name).any(|number| number == port);
+        memory::take_files(&self.stay.site.in_memory(), wanted)
     }
 }
 

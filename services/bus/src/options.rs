@@ -15,6 +15,8 @@ pub struct ServerOptions {
     pub max_recorders: usize,
     /// Messages kept for a slow recorder before the oldest are lost.
     pub tap_buffer: usize,
+    /// Whether all of the memory is taken at the start, so that none can lack later.
+    pub reserve: bool,
     /// How the planner waits for requests.
     pub wait: Wait,
     /// How replies deal with slow clients.
@@ -28,6 +30,7 @@ impl Default for ServerOptions {
             requests_per_client: 2,
             max_recorders: 2,
             tap_buffer: 768,
+            reserve: false,
             wait: Wait::Hybrid,
             reply: ReplyOptions::default(),
         }

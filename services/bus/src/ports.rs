@@ -218,12 +218,6 @@ pub(crate) fn previous_parts(all: usize) -> usize {
     (all / 8).max(REPLY_BUFFER + BORROWED + LOANED)
 }
 
-/// Shared memory that is free on this machine, bytes, where that can be told.
-pub fn free_memory() -> Option<u64> {
-    let memory = rustix::fs::statvfs("/dev/shm").ok()?;
-    Some(memory.f_bavail.saturating_mul(memory.f_frsize))
-}
-
 /// The most shared memory that the planner's side can come to use, bytes: every buffer full
 /// of the largest messages. What is never used is never taken. Clients choose what they
 /// take for their requests; that comes on top.

@@ -101,6 +101,11 @@ pub(crate) fn living(visitors: &[Visitor]) -> BTreeSet<u32> {
     visitors.iter().filter(|visitor| visitor.lives).map(|visitor| visitor.host).collect()
 }
 
+/// The number of this process in the names of iceoryx2's files.
+pub(crate) fn host() -> u32 {
+    *HOST
+}
+
 /// This process, as iceoryx2 writes it into the names of its files: in a container, its
 /// number outside, if that is known.
 static HOST: LazyLock<u32> = LazyLock::new(|| {

@@ -26,6 +26,7 @@ use crate::domain::Domain;
 use crate::error::OpenError;
 use crate::headers::{Current, UserHeader, Version};
 use crate::member::Member;
+use crate::memory;
 use crate::options::ServerOptions;
 use crate::ports::{self, PlanRequest, PlanServer};
 use crate::presence::Visitor;
@@ -96,11 +97,19 @@ pub struct Server {
 impl Server {
     /// Opens the planner's side of a domain.
     pub fn open(domain: &Domain, options: &ServerOptions) -> Result<Self, OpenError> {
-        let needs = ports::most_memory(options);
-        if let Some(free) = ports::free_memory().filter(|free| *free < needs) {
-            return Err(OpenError::SharedMemory { needs, free });
-        }
         let node = domain.join(Visitor::PLANNER)?;
+        let patience = Instant::now() + TAKE_OVER;
+        // The memory of one that has just died comes free.
+        while let Err(shortage) = memory::check_room(ports::most_memory(options)) {
+            if ports::open_plan::<Current>(&node).is_ok_and(|plan| is_served(&plan)) {
+                return Err(OpenError::AnotherPlanner(domain.clone()));
+            }
+            if Instant::now() >= patience {
+                return Err(shortage.into());
+            }
+            std::thread::sleep(Duration::from_millis(5));
+            node.sweep();
+        }
         let failed =
             |what| move |cause: Cause| OpenError::Service { what, domain: domain.clone(), cause };
         const REQUESTS: &str = "the service for requests";
@@ -117,7 +126,6 @@ impl Server {
         let tap = ports::create_tap(&node, options).map_err(failed(TAP))?;
 
         let status = ports::create_status(&node).map_err(failed(STATUS))?;
-        let patience = Instant::now() + TAKE_OVER;
         let port = |error| match error {
             ServerCreateError::ExceedsMaxSupportedServers => {
                 OpenError::AnotherPlanner(domain.clone())
@@ -153,6 +161,10 @@ impl Server {
             spare: reply::Spare::default(),
         };
         let waker = Waker::new().map_err(|error| OpenError::System(error.to_string()))?;
+        let status = StatusWriter::create(&status).map_err(failed(STATUS))?;
+        if options.reserve {
+            node.take_memory()?;
+        }
         Ok(Self {
             previous,
             current,
@@ -160,7 +172,7 @@ impl Server {
             bell,
             plans: (previous_plan, current_plan),
             backlog: VecDeque::new(),
-            status: StatusWriter::create(&status).map_err(failed(STATUS))?,
+            status,
             desk: Rc::new(RefCell::new(desk)),
             waker,
             deaths: Deaths::default(),
@@ -300,6 +312,11 @@ const SWEEP: Duration = Duration::from_secs(1);
 
 /// Errors in a row after which the others have to wait for another try.
 const ERRORS: u32 = 3;
+
+/// Whether a planner serves.
+fn is_served(plan: &ports::Plan<Current>) -> bool {
+    plan.dynamic_config().number_of_servers() > 0
+}
 
 /// The next request of a version.
 fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {

@@ -12,6 +12,7 @@ use crate::connect;
 use crate::domain::Domain;
 use crate::error::ConnectError;
 use crate::member::Member;
+use crate::memory;
 use crate::ports;
 use crate::presence::Visitor;
 use crate::wait;
@@ -56,6 +57,7 @@ impl StatusReader {
         let node = domain.join(Visitor::WATCHER)?;
         let failed = |cause| connect::failed(&node, domain, connect::STATUS, cause);
         let service = ports::open_status(&node).map_err(failed)?;
+        memory::check_room(memory::CONNECTION)?;
         let port = service.subscriber_builder().create();
         let port = port.map_err(|error| match error.into() {
             Cause::Full => connect::full(domain, connect::WATCHERS, ports::WATCHERS),

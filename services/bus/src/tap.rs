@@ -23,6 +23,7 @@ use crate::domain::Domain;
 use crate::error::ConnectError;
 use crate::headers::{TapHeader, UserHeader};
 use crate::member::Member;
+use crate::memory;
 use crate::ports;
 use crate::presence::Visitor;
 use crate::wait;
@@ -211,6 +212,7 @@ impl TapReader {
         let service = ports::open_tap(&node).map_err(failed)?;
         let settings = service.static_config();
         let (buffer, most) = (settings.subscriber_max_buffer_size(), settings.max_subscribers());
+        memory::check_room(memory::CONNECTION + memory::WAITING * buffer as u64)?;
         let port = service.subscriber_builder().buffer_size(buffer).create();
         let port = port.map_err(|error| match error.into() {
             Cause::Full => connect::full(domain, connect::RECORDERS, most),

@@ -24,6 +24,8 @@ pub struct Config {
     pub max_recorders: usize,
     /// Messages kept for a slow recorder before the oldest are lost.
     pub tap_buffer: usize,
+    /// Whether the planner takes its shared memory at the start, all that it can come to use.
+    pub reserve: bool,
     /// How long a reply waits for a client that does not take it, seconds.
     pub patience: f64,
     /// How many requests are planned at a time. 0: one for each core but one, at least 1.
@@ -96,6 +98,7 @@ impl Default for Config {
             requests_per_client: 2,
             max_recorders: 2,
             tap_buffer: 768,
+            reserve: false,
             patience: 0.1,
             workers: 0,
             queue: 256,

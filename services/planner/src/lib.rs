@@ -5,6 +5,8 @@
 //! service, and logs. It does not know
 //! geometry, recordings or JSON.
 
+mod at_once;
+mod manager;
 pub mod metrics;
 pub mod options;
 mod queue;

@@ -13,7 +13,7 @@ use configuration::Config;
 use planner::options::server_options;
 use planner::service::serve;
 use planner::supervisor::supervise;
-use program::{Diagnostics, Exit};
+use program::{Diagnostics, Exit, LogFormat};
 
 /// Plans the scenes that clients send over shared memory, until it is ended by a signal.
 #[derive(Parser)]
@@ -27,6 +27,7 @@ Settings in FILE (TOML), with their defaults:
   requests_per_client = 2  # open requests of one client
   max_recorders = 2        # recorders connected at a time
   tap_buffer = 768         # messages kept for a slow recorder
+  reserve = false          # true takes all of this shared memory at the start
   patience = 0.1           # seconds that a reply waits for a client that does not take it
   workers = 0              # requests planned at a time; 0: one for each core but one
   queue = 256              # requests that wait for a worker; more are refused as overloaded
@@ -48,7 +49,8 @@ Settings in FILE (TOML), with their defaults:
 Domains are found under CLEARWAY_ROOT; by default, under clearway in XDG_RUNTIME_DIR, or
 /tmp/clearway-UID. `plan --list` shows them.
 
-Diagnostics go to stderr; RUST_LOG selects them (RUST_LOG=debug shows every request).
+Diagnostics go to stderr; RUST_LOG selects them (RUST_LOG=debug shows every request). Under
+systemd (Type=notify, NotifyAccess=all) the planner says when it is ready; WatchdogSec works.
 Exit codes: 0 ended by a signal, 1 failure, 2 usage."
 )]
 struct Arguments {
@@ -58,6 +60,13 @@ struct Arguments {
     /// Serves metrics for Prometheus at http://ADDR/metrics; a port alone is on this machine only
     #[arg(long, value_name = "ADDR", value_parser = planner::metrics::address)]
     metrics: Option<SocketAddr>,
+    /// Takes at the start all shared memory that serving can come to need, so that a /dev/shm
+    /// which fills up later does no harm
+    #[arg(long)]
+    reserve: bool,
+    /// How diagnostics look: text, or json, an object on each line
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    log_format: LogFormat,
     /// Serves in this process alone, without another one that starts it again if it dies
     #[arg(long)]
     unsupervised: bool,
@@ -72,7 +81,7 @@ struct Arguments {
 fn main() -> ExitCode {
     program::main("planner", || {
         let arguments = Arguments::parse();
-        program::start_diagnostics(Diagnostics::Events);
+        program::start_diagnostics(Diagnostics::Events, arguments.log_format);
         bus::forward_to_tracing();
         run(arguments)
     })
@@ -87,6 +96,7 @@ fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
         config.grace = grace;
         config.check(Path::new("--grace"))?;
     }
+    config.reserve |= arguments.reserve;
     if !arguments.unsupervised
         && let Some(exit) = supervise(Duration::from_secs_f64(config.grace))?
     {
@@ -94,8 +104,7 @@ fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
     }
     let domain = arguments.domain.unwrap_or_default();
     let mut server = Server::open(&domain, &server_options(&config))?;
-    tracing::info!(%domain, wait = ?config.wait, workers = config.workers(), "ready");
-    let served = serve(&mut server, &config, arguments.metrics)?;
+    let served = serve((&mut server, &domain), &config, arguments.metrics)?;
     let CacheStats { hits, misses, bytes, .. } = served.cache;
     tracing::info!(
         requests = served.requests,

@@ -17,6 +17,7 @@ pub fn server_options(config: &Config) -> ServerOptions {
             WaitFor::Hybrid => Wait::Hybrid,
             WaitFor::Poll => Wait::Poll,
         },
+        reserve: config.reserve,
         reply: ReplyOptions { patience: Duration::from_secs_f64(config.patience) },
     }
 }

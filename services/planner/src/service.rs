@@ -12,12 +12,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use answer::{CacheStats, StopFlag, StopReason, Store, Workspace};
-use bus::{Incoming, ReplyError, ReplySink, Server, Woken};
+use bus::{Domain, Incoming, ReplyError, Server, Woken};
 use configuration::Config;
-use schemas::convert::{CellWriter, PartSink};
 use schemas::message::{ErrorCode, Refusal};
-use schemas::wire::{ReplyHeader, RequestHeader, given};
+use schemas::wire::{RequestHeader, given};
 
+use crate::at_once::{Ended, Sink};
+use crate::manager::{self, Manager};
 use crate::metrics::Latest;
 use crate::queue::{Job, QueueLimits, Waiting};
 use crate::resume::{Resumed, stop_after};
@@ -67,7 +68,7 @@ pub struct Served {
 ///
 /// If the operating system starts no threads.
 pub fn serve(
-    server: &mut Server,
+    (server, domain): (&mut Server, &Domain),
     config: &Config,
     metrics: Option<SocketAddr>,
 ) -> std::io::Result<Served> {
@@ -77,7 +78,11 @@ pub fn serve(
     });
     let mut service = Service::start(server, config, metrics.transpose()?)?;
     service.publish();
-    while !service.step() {}
+    tracing::info!(%domain, wait = ?config.wait, workers = config.workers(), "ready");
+    let mut manager = Manager::ready(domain);
+    while !service.step() {
+        manager.is_alive();
+    }
     Ok(service.end())
 }
 
@@ -176,6 +181,7 @@ impl<'a> Service<'a> {
         if self.closing.is_none() && self.server.terminated() {
             let grace = Duration::from_secs_f64(self.config.grace);
             tracing::info!(in_hand = self.in_hand.len(), ?grace, "ending");
+            manager::stopping();
             self.closing = Some(Closing { graceful: true, until: Instant::now() + grace });
         }
         match self.closing {
@@ -316,16 +322,22 @@ impl<'a> Service<'a> {
                 AtOnce::HandedOver(written)
             }
             Ok(Err(Ended::Failed(error))) => AtOnce::Failed(error),
-            Err(_) => {
-                // A defect in planning must not take the service with it.
-                self.workspace = Workspace::sharing(self.config.caps, &self.store);
-                let mut sink = Counted { sink: incoming.reply(), statistics: &mut self.statistics };
-                match Workspace::refuse(header, &internal_error(), &mut sink) {
-                    Ok(()) => AtOnce::Written,
-                    Err(error) => AtOnce::Failed(error),
-                }
-            }
+            Err(_) => match self.refuse_defect(incoming, header) {
+                Ok(()) => AtOnce::Written,
+                Err(error) => AtOnce::Failed(error),
+            },
         }
+    }
+
+    /// Refuses a request that brings out a defect, which must not take the service with it.
+    fn refuse_defect(
+        &mut self,
+        incoming: &mut Incoming,
+        header: &RequestHeader,
+    ) -> Result<(), ReplyError> {
+        self.workspace = Workspace::sharing(self.config.caps, &self.store);
+        let mut sink = Counted { sink: incoming.reply(), statistics: &mut self.statistics };
+        Workspace::refuse(header, &internal_error(), &mut sink)
     }
 
     /// Gives a request to a worker, or refuses it if too many wait.
@@ -462,8 +474,11 @@ impl<'a> Service<'a> {
         let sink = Counted { sink, statistics: &mut self.statistics };
         let mut sink = Resumed { sink, left: &left };
         let workspace = &mut self.workspace;
+        let answered = catch_unwind(AssertUnwindSafe(|| {
+            workspace.answer_while(&job.header, &job.cells, (&stop, &meanwhile), &mut sink)
+        }));
         let answered =
-            workspace.answer_while(&job.header, &job.cells, (&stop, &meanwhile), &mut sink);
+            answered.unwrap_or_else(|_| self.refuse_defect(&mut request.incoming, &job.header));
         match answered {
             Ok(()) => self.sent(request.incoming, request.taken),
             Err(error) => self.undelivered(&job.header, &error),
@@ -555,38 +570,6 @@ enum Why {
 }
 
 use Why::{Failed, Late};
-
-/// A reply that is written at once, as long as it is not handed over.
-struct Sink<'a, F> {
-    sink: Counted<'a, ReplySink<'a>>,
-    stop: &'a StopFlag,
-    meanwhile: &'a F,
-}
-
-enum Ended {
-    HandedOver,
-    Failed(ReplyError),
-}
-
-impl<F: Fn()> PartSink for Sink<'_, F> {
-    type Error = Ended;
-
-    fn part(
-        &mut self,
-        header: &ReplyHeader,
-        cells: usize,
-        fill: impl FnOnce(&mut CellWriter),
-    ) -> Result<(), Ended> {
-        // Long replies take long to write.
-        if self.sink.sink.written() > 0 {
-            (self.meanwhile)();
-        }
-        if self.stop.reason() == Some(StopReason::HandedOver) {
-            return Err(Ended::HandedOver);
-        }
-        self.sink.part(header, cells, fill).map_err(Ended::Failed)
-    }
-}
 
 /// When a request that has just arrived is to be answered. What is no possible deadline is
 /// refused when the request is read.

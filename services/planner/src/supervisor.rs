@@ -15,6 +15,8 @@ use rustix::process::{
     Pid, PidfdFlags, Signal, getppid, kill_process, pidfd_open, set_parent_process_death_signal,
 };
 
+use crate::manager;
+
 /// How long the process that serves has to end beyond its grace.
 const BEYOND_GRACE: Duration = Duration::from_millis(900);
 
@@ -23,6 +25,10 @@ const QUICK: Duration = Duration::from_secs(1);
 
 /// How long to wait before each start after repeated deaths, at most.
 const LONGEST_PAUSE: Duration = Duration::from_secs(1);
+
+/// How long it is tried to start one after the one before has died; until then, what ended that
+/// one, such as a lack of memory, may still be in the way.
+const PERSISTENCE: Duration = Duration::from_secs(30);
 
 /// The exit code of a program that panicked.
 const PANICKED: i32 = 101;
@@ -44,37 +50,58 @@ pub fn supervise(grace: Duration) -> std::io::Result<Option<Exit>> {
     }
     // From now on signals are passed on.
     bus::terminated();
+    let watchdog = sd_notify::watchdog_enabled();
     let mut deaths = 0;
+    // Since when none has served for long.
+    let mut died: Option<Instant> = None;
     loop {
         let begun = Instant::now();
-        let mut child = start()?;
+        let mut child = start(watchdog)?;
         let status = watch(&mut child, grace)?;
-        if let Some(exit) = ended(status) {
-            return Ok(Some(exit));
+        let exit = ended(status);
+        if begun.elapsed() >= QUICK && exit != Some(Exit::Failure) {
+            (deaths, died) = (0, None);
         }
-        deaths = if begun.elapsed() < QUICK { deaths + 1 } else { 0 };
-        let pause = match deaths {
-            0 => Duration::ZERO,
-            deaths => LONGEST_PAUSE.min(Duration::from_millis(10 << deaths.min(7))),
+        let pause = match exit {
+            Some(Exit::Failure) if died.is_some_and(|died| died.elapsed() < PERSISTENCE) => {
+                tracing::error!(pause = ?LONGEST_PAUSE, "the serving process can't start again yet");
+                LONGEST_PAUSE
+            }
+            Some(exit) => return Ok(Some(exit)),
+            None => {
+                let pause = match deaths {
+                    0 => Duration::ZERO,
+                    deaths => LONGEST_PAUSE.min(Duration::from_millis(10 << deaths.min(7))),
+                };
+                let cause = cause(status);
+                tracing::error!(
+                    cause = cause.as_str(),
+                    ?pause,
+                    "the serving process died; starting another"
+                );
+                manager::restarting(&cause);
+                deaths += 1;
+                died.get_or_insert_with(Instant::now);
+                pause
+            }
         };
-        tracing::error!(
-            cause = cause(status),
-            ?pause,
-            "the serving process died; starting another"
-        );
         if ends_within(pause) {
             return Ok(Some(Exit::Done));
         }
     }
 }
 
-fn start() -> std::io::Result<Child> {
+fn start(watchdog: Option<Duration>) -> std::io::Result<Child> {
     // Also when the file was replaced meanwhile.
     let program = std::env::current_exe().ok().filter(|path| path.is_file());
-    Command::new(program.unwrap_or_else(|| "/proc/self/exe".into()))
-        .args(std::env::args_os().skip(1))
-        .env(SUPERVISOR_VARIABLE, std::process::id().to_string())
-        .spawn()
+    let mut command = Command::new(program.unwrap_or_else(|| "/proc/self/exe".into()));
+    command.args(std::env::args_os().skip(1));
+    command.env(SUPERVISOR_VARIABLE, std::process::id().to_string());
+    if watchdog.is_some() {
+        // It is meant for this process, and answered by the one that serves.
+        command.env_remove("WATCHDOG_PID");
+    }
+    command.spawn()
 }
 
 /// Passes signals that ask to end on to the child, until it has ended.
@@ -125,8 +152,10 @@ fn cause(status: ExitStatus) -> String {
             None => "SIGBUS: no shared memory was left".to_owned(),
         },
         Some(signal) => match Signal::from_named_raw(signal) {
-            Some(signal) => format!("{signal:?}"),
-            None => format!("signal {signal}"),
+            Some(Signal::ABORT) => "SIGABRT".to_owned(),
+            Some(Signal::KILL) => "SIGKILL".to_owned(),
+            Some(Signal::SEGV) => "SIGSEGV".to_owned(),
+            _ => format!("signal {signal}"),
         },
     }
 }

@@ -1,10 +1,12 @@
 //! Diagnostics on stderr.
 
 use std::io::{self, IsTerminal};
+use std::str::FromStr;
+use std::sync::OnceLock;
 
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt;
-use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::layer::{Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::warn;
@@ -18,11 +20,41 @@ pub enum Diagnostics {
     Events,
 }
 
-/// From now on `tracing` goes to stderr, in colour on a terminal.
+/// What diagnostics look like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LogFormat {
+    /// Lines for people.
+    #[default]
+    Text,
+    /// A JSON object on each line.
+    Json,
+}
+
+impl FromStr for LogFormat {
+    type Err = &'static str;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "text" => Ok(Self::Text),
+            "json" => Ok(Self::Json),
+            _ => Err("it is either text or json"),
+        }
+    }
+}
+
+static FORMAT: OnceLock<LogFormat> = OnceLock::new();
+
+/// Whether everything on stderr has to be JSON.
+pub(crate) fn are_json() -> bool {
+    FORMAT.get() == Some(&LogFormat::Json)
+}
+
+/// From now on `tracing` goes to stderr; text is in colour on a terminal. In JSON, errors that
+/// end the program and panics are objects, too.
 ///
 /// `RUST_LOG` overrides `default`: a level (`debug`), or a list such as
 /// `info,planner=debug,iceoryx2=off`.
-pub fn start_diagnostics(default: Diagnostics) {
+pub fn start_diagnostics(default: Diagnostics, format: LogFormat) {
     let level = match default {
         Diagnostics::Warnings => LevelFilter::WARN,
         Diagnostics::Events => LevelFilter::INFO,
@@ -33,6 +65,13 @@ pub fn start_diagnostics(default: Diagnostics) {
         .with_ansi(io::stderr().is_terminal())
         // A closed stderr is nobody's business.
         .log_internal_errors(false);
+    let lines = match FORMAT.get_or_init(|| format) {
+        LogFormat::Text => lines.boxed(),
+        LogFormat::Json => {
+            std::panic::set_hook(Box::new(|panic| tracing::error!(target: "panic", "{panic}")));
+            lines.json().flatten_event(true).with_ansi(false).boxed()
+        }
+    };
     tracing_subscriber::registry().with(lines).with(filter).init();
     if let Some(reason) = unreadable {
         warn(format_args!("RUST_LOG is ignored: {reason}"));
@@ -54,6 +93,12 @@ fn filter(wanted: Option<&str>, default: LevelFilter) -> (Targets, Option<String
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn formats_have_names() {
+        assert_eq!(("text".parse(), "json".parse()), (Ok(LogFormat::Text), Ok(LogFormat::Json)));
+        assert!("JSON".parse::<LogFormat>().is_err());
+    }
 
     #[track_caller]
     fn check(wanted: Option<&str>, planner: LevelFilter, other: LevelFilter) {

@@ -18,6 +18,6 @@ mod diagnostics;
 mod exit;
 mod print;
 
-pub use diagnostics::{Diagnostics, start_diagnostics};
+pub use diagnostics::{Diagnostics, LogFormat, start_diagnostics};
 pub use exit::{Exit, main};
 pub use print::{PrintError, report, warn};

@@ -4,6 +4,8 @@ use std::error::Error;
 use std::fmt;
 use std::io::{self, Write};
 
+use crate::diagnostics;
+
 /// Writing to stdout failed.
 #[derive(Debug, thiserror::Error)]
 #[error("can't write to stdout: {0}")]
@@ -33,11 +35,17 @@ fn chain<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn 
 
 /// Prints to stderr what ended the program: the error and its sources, in one line.
 pub fn report(program: &str, error: &(dyn Error + 'static)) {
+    if diagnostics::are_json() {
+        return tracing::error!(program, "{}", Chain(error));
+    }
     warn(format_args!("{program}: {}", Chain(error)));
 }
 
 /// Prints a line to stderr. A closed stderr is ignored.
 pub fn warn(text: fmt::Arguments) {
+    if diagnostics::are_json() {
+        return tracing::warn!("{text}");
+    }
     let _ = writeln!(io::stderr(), "{text}");
 }
 

@@ -12,7 +12,7 @@ use bus::{CallError, Client, Domain, Wait};
 use clap::Parser;
 use comparison::check;
 use comparison::compare::Tolerance;
-use program::{Diagnostics, Exit, PrintError};
+use program::{Diagnostics, Exit, LogFormat, PrintError};
 use schemas::message::{ClearanceWish, Reply, SceneRequest, Trajectory};
 
 use output::Row;
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     }
     program::main("demo", || {
         let arguments = Arguments::parse();
-        program::start_diagnostics(Diagnostics::Warnings);
+        program::start_diagnostics(Diagnostics::Warnings, LogFormat::Text);
         bus::forward_to_tracing();
         match (run(arguments), bus::termination_signal()) {
             // Planner and recorder end too if they got the signal, as with Ctrl-C: whatever

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bus::{CallError, Domain, Server};
 use configuration::Config;
-use program::{Diagnostics, Exit};
+use program::{Diagnostics, Exit, LogFormat};
 use recorder::Settings;
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -46,7 +46,7 @@ impl Role {
 
     /// Plays the role until a signal asks it to end.
     pub(crate) fn run(self) -> Result<Exit, Error> {
-        program::start_diagnostics(Diagnostics::Warnings);
+        program::start_diagnostics(Diagnostics::Warnings, LogFormat::Text);
         bus::forward_to_tracing();
         let mut arguments = std::env::args_os().skip(1);
         let (Some(domain), Some(recording)) = (arguments.next(), arguments.next()) else {
@@ -63,7 +63,7 @@ impl Role {
 fn serve(domain: &Domain) -> Result<Exit, Error> {
     let config = Config::default();
     let mut server = Server::open(domain, &planner::options::server_options(&config))?;
-    planner::service::serve(&mut server, &config, None)?;
+    planner::service::serve((&mut server, domain), &config, None)?;
     Ok(Exit::Done)
 }
 

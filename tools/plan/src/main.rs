@@ -15,12 +15,12 @@ use std::process::ExitCode;
 
 use arguments::Arguments;
 use clap::Parser;
-use program::Diagnostics;
+use program::{Diagnostics, LogFormat};
 
 fn main() -> ExitCode {
     program::main("plan", || {
         let arguments = Arguments::parse();
-        program::start_diagnostics(Diagnostics::Warnings);
+        program::start_diagnostics(Diagnostics::Warnings, LogFormat::Text);
         bus::forward_to_tracing();
         match &arguments {
             Arguments { list: true, format, .. } => Ok(list::run(*format)?),

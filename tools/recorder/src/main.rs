@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use bus::Domain;
 use clap::Parser;
-use program::{Diagnostics, Exit, PrintError};
+use program::{Diagnostics, Exit, LogFormat, PrintError};
 use recorder::Settings;
 use recording::{FLUSH_INTERVAL, Summary};
 
@@ -52,19 +52,22 @@ struct Arguments {
     /// How long to wait for a planner to start
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "10s")]
     wait: Duration,
+    /// How diagnostics look: text, or json, an object on each line
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    log_format: LogFormat,
 }
 
 fn main() -> ExitCode {
     program::main("recorder", || {
         let arguments = Arguments::parse();
-        program::start_diagnostics(Diagnostics::Events);
+        program::start_diagnostics(Diagnostics::Events, arguments.log_format);
         bus::forward_to_tracing();
         run(arguments)
     })
 }
 
 fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
-    let Arguments { output, domain, overwrite, duration, flush, wait } = arguments;
+    let Arguments { output, domain, overwrite, duration, flush, wait, log_format: _ } = arguments;
     let domain = domain.unwrap_or_default();
     let flush = flush.unwrap_or(FLUSH_INTERVAL);
     let settings = Settings { output, domain, overwrite, duration, flush, wait };

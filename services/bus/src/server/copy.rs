@@ -1,9 +1,7 @@
 //! Copying what a peer says lies in shared memory.
 
+use crate::client::SURE;
 use crate::error::ReceiveError;
-
-/// What fits the memory that every client has: its first segment.
-const SURE: usize = 1024;
 
 /// Appends a request's cells. Beyond [`SURE`] the operating system copies them, and says so where
 /// there is less memory than the sender claims: to read there would end the process.

@@ -1,6 +1,9 @@
 //! Shared memory is measured before it is used.
 
-use bus::{OpenError, Server, ServerOptions, most_memory};
+use std::os::unix::fs::MetadataExt;
+use std::path::PathBuf;
+
+use bus::{Client, OpenError, Server, ServerOptions, Wait, most_memory};
 
 use crate::support::*;
 
@@ -38,4 +41,30 @@ fn settings_that_ask_for_too_much_are_refused() {
     };
     assert_eq!(needs, most_memory(&options));
     assert!(free < needs);
+}
+
+/// Files that could still lack memory.
+fn sparse(test: &TestDomain) -> Vec<PathBuf> {
+    let is_sparse = |path: &PathBuf| {
+        let found = path.metadata().unwrap();
+        found.blocks() * 512 < found.len()
+    };
+    let files = test.files().into_iter();
+    files.filter(|path| path.starts_with("/dev/shm") && is_sparse(path)).collect()
+}
+
+#[test]
+fn reserved_memory_is_there_from_the_start() {
+    let test = TestDomain::new();
+    let options = ServerOptions { max_clients: 2, tap_buffer: 16, ..Default::default() };
+    let server = Server::open(&test.domain, &options).unwrap();
+    assert!(sparse(&test).len() > 2);
+    drop(server);
+    let server = Server::open(&test.domain, &ServerOptions { reserve: true, ..options }).unwrap();
+    assert_eq!(sparse(&test), Vec::<PathBuf>::new());
+    // Clients take theirs when they connect.
+    let client = Client::connect(&test.domain, Wait::Poll).unwrap();
+    assert!(test.files().iter().any(|path| path.to_string_lossy().ends_with("__0.data")));
+    assert_eq!(sparse(&test), Vec::<PathBuf>::new());
+    drop((client, server));
 }
