@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use integration_tests::root;
+use configuration::Config;
+use integration_tests::{program, root};
 
 /// The repository's Markdown files.
 fn documents() -> Vec<PathBuf> {
@@ -107,4 +109,36 @@ fn named_tests_exist() {
         count += 1;
     }
     assert!(count > 50, "the documents name more tests than {count}");
+}
+
+#[test]
+fn units_start_programs_with_flags_that_they_have() {
+    for unit in ["planner", "recorder"] {
+        let text = read(&root().join(format!("docs/clearway-{unit}.service")));
+        let start = text.lines().find_map(|line| line.strip_prefix("ExecStart=")).expect("one");
+        assert!(start.contains(&format!("/usr/local/bin/{unit} ")), "{start}");
+        let help = Command::new(program(unit)).arg("--help").output().expect("it runs");
+        let help = String::from_utf8(help.stdout).expect("text");
+        let flags: Vec<_> = start.split_whitespace().filter(|word| word.starts_with("-")).collect();
+        assert!(flags.len() > 1, "{start}");
+        for flag in flags.into_iter().filter(|flag| *flag != "-c" && *flag != "-u") {
+            let has = |end| help.contains(&format!("{flag}{end}"));
+            assert!(has(" <") || has(", --"), "{unit} has no {flag}");
+        }
+    }
+}
+
+#[test]
+fn settings_for_containers_fit_their_memory() {
+    let text = read(&root().join("docs/deploy.md"));
+    let (_, rest) = text.split_once("```toml\n").expect("settings");
+    let (settings, _) = rest.split_once("```").expect("they end");
+    let file = tempfile::NamedTempFile::new().expect("the system has room for files");
+    fs::write(file.path(), settings).expect("it can be written");
+    let config = Config::read(file.path()).expect("settings");
+    assert_ne!(config, Config::default());
+    let needs = bus::most_memory(&planner::options::server_options(&config));
+    assert!(needs <= 48 << 20, "{needs} bytes leave less than 16 MiB of 64");
+    let all = bus::most_memory(&planner::options::server_options(&Config::default()));
+    assert_eq!(all / 1_000_000, 118, "what the page says of the defaults");
 }
