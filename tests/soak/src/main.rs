@@ -17,7 +17,7 @@ use cycle::{Cycle, Plan, Watch};
 use fastrand::Rng;
 use health::Health;
 use integration_tests::TestDomain;
-use program::{Diagnostics, Exit, PrintError};
+use program::{Diagnostics, Exit, LogFormat, PrintError};
 
 /// Has many clients use a planner for a while, many of them faulty, and accounts for every
 /// request.
@@ -71,7 +71,7 @@ const WARM_UP: usize = 2;
 fn main() -> ExitCode {
     program::main("soak", || {
         let arguments = Arguments::parse();
-        program::start_diagnostics(Diagnostics::Warnings);
+        program::start_diagnostics(Diagnostics::Warnings, LogFormat::Text);
         bus::forward_to_tracing();
         if let Some(domain) = &arguments.domain {
             client::run(domain, std::env::var(SEED)?.parse()?)?;
