@@ -83,6 +83,7 @@ fn dependencies_run_one_way() {
         ("schema-tests", vec!["answer", "schemas"]),
         ("peers", vec!["answer", "floor-plan", "schemas"]),
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
+        ("soak", vec!["schemas", "answer", "bus", "program", "integration-tests"]),
     ]
     .into();
     let depends = dependencies(|_| true);

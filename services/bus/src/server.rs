@@ -79,8 +79,10 @@ pub struct Server {
     /// None if the planner polls.
     bell: Option<Listener<ipc::Service>>,
     plans: (ports::Plan<Previous>, ports::Plan<Current>),
-    /// Requests that were taken before their time.
+    /// Requests that were taken before it was their turn.
     backlog: VecDeque<Incoming>,
+    /// Whether there was a request the last time.
+    busy: bool,
     desk: Rc<RefCell<Desk>>,
     waker: Waker,
     deaths: Deaths,
@@ -172,6 +174,7 @@ impl Server {
             bell,
             plans: (previous_plan, current_plan),
             backlog: VecDeque::new(),
+            busy: false,
             status,
             desk: Rc::new(RefCell::new(desk)),
             waker,
@@ -191,12 +194,26 @@ impl Server {
         if self.sweep_due {
             self.sweep();
         }
-        while let Some(incoming) = self.backlog.pop_front() {
-            if incoming.is_waiting() {
-                return Some(incoming);
+        loop {
+            // iceoryx2 looks at its clients in the same order each time, so that the last would
+            // wait for ever while the first keep asking: whoever waits now comes before those.
+            if self.backlog.is_empty() && self.busy {
+                self.take_all();
+            }
+            let incoming = self.backlog.pop_front().or_else(|| self.take());
+            self.busy = incoming.is_some();
+            if incoming.as_ref().is_none_or(Incoming::is_waiting) {
+                return incoming;
             }
         }
-        self.take()
+    }
+
+    /// Takes what waits in shared memory, which clients can't make endless: each has a few requests
+    /// open at a time.
+    fn take_all(&mut self) {
+        while let Some(incoming) = self.take() {
+            self.backlog.push_back(incoming);
+        }
     }
 
     /// The next request in shared memory.
@@ -289,12 +306,11 @@ impl Server {
     pub fn sweep(&mut self) {
         if self.node.has_dead() {
             // What iceoryx2 0.10 finds of a client that is gone, it never gives back.
-            while let Some(incoming) = self.take() {
-                self.backlog.push_back(incoming);
-            }
+            self.take_all();
         }
         self.node.sweep();
         self.deaths.forget_dead();
+        self.desk.borrow().ringer.forget_gone();
         (self.swept, self.sweep_due) = (Instant::now(), false);
     }
 

@@ -40,9 +40,6 @@ const LONGEST: Duration = Duration::from_millis(5);
 /// How often clients of requests in hand are looked for, and their deadlines.
 const LOOK: Duration = Duration::from_millis(4);
 
-/// How often a part that found no room is tried again.
-const RETRY: Duration = Duration::from_micros(500);
-
 /// How long workers and clients have for what is left when the grace is over.
 const LAST_WORDS: Duration = Duration::from_millis(300);
 
@@ -243,14 +240,12 @@ impl<'a> Service<'a> {
 
     /// When to look after what is in hand.
     fn next_look(&self) -> Instant {
-        let now = Instant::now();
-        let held_up = self.in_hand.values().any(|request| request.incoming.is_held_up());
+        let tries = self.in_hand.values().filter_map(|request| request.incoming.next_try());
         // Those that have passed wait for a worker only.
         let is_due = |request: &&InHand| request.stop.reason().is_none() && !request.is_written;
         let due = self.in_hand.values().filter(is_due);
         let deadlines = due.filter_map(|request| request.deadline);
-        let next = if held_up { now + RETRY } else { now + LOOK };
-        deadlines.fold(next, Instant::min)
+        tries.chain(deadlines).fold(Instant::now() + LOOK, Instant::min)
     }
 
     fn take(&mut self, mut incoming: Incoming) {
@@ -414,9 +409,10 @@ impl<'a> Service<'a> {
         let mut ended = Vec::new();
         for (ticket, request) in &mut self.in_hand {
             let is_sent = request.is_written && !request.incoming.is_held_up();
-            let sent = match look && !is_sent && !request.incoming.is_waiting() {
-                true => Err(ReplyError::Gone),
-                false => request.incoming.flush(),
+            let sent = match request.incoming.next_try() {
+                _ if look && !is_sent && !request.incoming.is_waiting() => Err(ReplyError::Gone),
+                Some(next) if now < next => Ok(request.incoming.unsent()),
+                _ => request.incoming.flush(),
             };
             match sent {
                 Ok(left) => {

@@ -1,15 +1,14 @@
 //! Diagnostics on stderr.
 
 use std::io::{self, IsTerminal};
-use std::str::FromStr;
-use std::sync::OnceLock;
 
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt;
 use tracing_subscriber::layer::{Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
-use crate::warn;
+use crate::log_format::{self, LogFormat};
+use crate::print::warn;
 
 /// How much a program says by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,35 +17,6 @@ pub enum Diagnostics {
     Warnings,
     /// What a service does, too.
     Events,
-}
-
-/// What diagnostics look like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LogFormat {
-    /// Lines for people.
-    #[default]
-    Text,
-    /// A JSON object on each line.
-    Json,
-}
-
-impl FromStr for LogFormat {
-    type Err = &'static str;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        match name {
-            "text" => Ok(Self::Text),
-            "json" => Ok(Self::Json),
-            _ => Err("it is either text or json"),
-        }
-    }
-}
-
-static FORMAT: OnceLock<LogFormat> = OnceLock::new();
-
-/// Whether everything on stderr has to be JSON.
-pub(crate) fn are_json() -> bool {
-    FORMAT.get() == Some(&LogFormat::Json)
 }
 
 /// From now on `tracing` goes to stderr; text is in colour on a terminal. In JSON, errors that
@@ -65,7 +35,7 @@ pub fn start_diagnostics(default: Diagnostics, format: LogFormat) {
         .with_ansi(io::stderr().is_terminal())
         // A closed stderr is nobody's business.
         .log_internal_errors(false);
-    let lines = match FORMAT.get_or_init(|| format) {
+    let lines = match log_format::choose(format) {
         LogFormat::Text => lines.boxed(),
         LogFormat::Json => {
             std::panic::set_hook(Box::new(|panic| tracing::error!(target: "panic", "{panic}")));
@@ -93,12 +63,6 @@ fn filter(wanted: Option<&str>, default: LevelFilter) -> (Targets, Option<String
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn formats_have_names() {
-        assert_eq!(("text".parse(), "json".parse()), (Ok(LogFormat::Text), Ok(LogFormat::Json)));
-        assert!("JSON".parse::<LogFormat>().is_err());
-    }
 
     #[track_caller]
     fn check(wanted: Option<&str>, planner: LevelFilter, other: LevelFilter) {

@@ -16,8 +16,10 @@
 
 mod diagnostics;
 mod exit;
+mod log_format;
 mod print;
 
-pub use diagnostics::{Diagnostics, LogFormat, start_diagnostics};
+pub use diagnostics::{Diagnostics, start_diagnostics};
 pub use exit::{Exit, main};
+pub use log_format::LogFormat;
 pub use print::{PrintError, report, warn};

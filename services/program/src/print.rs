@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt;
 use std::io::{self, Write};
 
-use crate::diagnostics;
+use crate::log_format;
 
 /// Writing to stdout failed.
 #[derive(Debug, thiserror::Error)]
@@ -35,7 +35,7 @@ fn chain<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn 
 
 /// Prints to stderr what ended the program: the error and its sources, in one line.
 pub fn report(program: &str, error: &(dyn Error + 'static)) {
-    if diagnostics::are_json() {
+    if log_format::are_json() {
         return tracing::error!(program, "{}", Chain(error));
     }
     warn(format_args!("{program}: {}", Chain(error)));
@@ -43,7 +43,7 @@ pub fn report(program: &str, error: &(dyn Error + 'static)) {
 
 /// Prints a line to stderr. A closed stderr is ignored.
 pub fn warn(text: fmt::Arguments) {
-    if diagnostics::are_json() {
+    if log_format::are_json() {
         return tracing::warn!("{text}");
     }
     let _ = writeln!(io::stderr(), "{text}");

@@ -1,6 +1,7 @@
 //! One cycle: clients come, some are killed, all leave; then nothing may be left of them.
 
 use std::io::BufReader;
+use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -60,7 +61,9 @@ impl Running {
         let status = self.child.wait()?;
         let (mut account, open) = self.says.join().expect("it only reads");
         account.close(open, killed);
-        if !killed && !status.success() {
+        // One that has hardly started knows no better than to die.
+        let was_early = account.sent == 0 && status.signal() == Some(Signal::TERM.as_raw());
+        if !(killed || was_early || status.success()) {
             account.fault(format!("a client ended with {status}"));
         }
         Ok(account)
@@ -120,6 +123,7 @@ pub(crate) fn quiet(
     account: &mut Account,
 ) -> std::io::Result<(Status, Health)> {
     let until = Instant::now() + TIDYING;
+    let mut seen = false;
     loop {
         let status = watch.status()?;
         let health = Health::of(test, status.pid)?;
@@ -127,9 +131,11 @@ pub(crate) fn quiet(
         let in_hand = status.queue.requests + status.workers.planning + status.unsent;
         let is_done = in_hand == 0 && status.requests == counted;
         let is_tidy = alone.is_none_or(|alone| health.files <= alone.files);
-        if is_done && is_tidy {
+        if is_done && is_tidy && seen {
             return Ok((status, health));
         }
+        // It lets go of the last within a second.
+        seen = is_done && is_tidy;
         if Instant::now() >= until {
             if !is_done {
                 account.fault(format!(
@@ -145,7 +151,7 @@ pub(crate) fn quiet(
             }
             return Ok((status, health));
         }
-        std::thread::sleep(Duration::from_millis(300));
+        std::thread::sleep(Duration::from_millis(1_200));
     }
 }
 

@@ -241,9 +241,19 @@ impl Incoming {
         Ok(self.unsent)
     }
 
+    /// Bytes of the reply that wait for room.
+    pub fn unsent(&self) -> usize {
+        self.unsent
+    }
+
     /// Whether parts of the reply wait for room.
     pub fn is_held_up(&self) -> bool {
         !self.waiting.is_empty()
+    }
+
+    /// When it is worth while to try again to send what waits, if anything does.
+    pub fn next_try(&self) -> Option<Instant> {
+        self.held_up.map(|held_up| held_up.next)
     }
 
     /// Waits until all that was written is sent, for servers that have nothing else to do.
@@ -325,13 +335,13 @@ impl ReplySink<'_> {
     fn push(&mut self, part: Part) -> Result<(), ReplyError> {
         *self.unsent += part.bytes();
         self.waiting.push_back(part);
-        self.flush()
+        match self.held_up {
+            Some(held_up) if Instant::now() < held_up.next => Ok(()),
+            _ => self.flush(),
+        }
     }
 
     fn flush(&mut self) -> Result<(), ReplyError> {
-        if self.held_up.is_some_and(|held_up| Instant::now() < held_up.next) {
-            return Ok(());
-        }
         while let Some(part) = self.waiting.front() {
             if !self.to.send(part)? {
                 return self.hold_up();

@@ -1,6 +1,7 @@
 //! Waking clients.
 
 use iceoryx2::port::notifier::{ListenerKey, Notifier};
+use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{CallbackProgression, ipc};
 
 /// Rings the bells of clients: a client's listener has its nonce for a name.
@@ -15,6 +16,13 @@ pub(super) struct Ringer {
 impl Ringer {
     pub(super) fn new(port: Notifier<ipc::Service>, clients: usize) -> Self {
         Self { port, known: Vec::with_capacity(clients) }
+    }
+
+    /// Lets go of the bells of clients that have left.
+    pub(super) fn forget_gone(&self) {
+        if let Err(error) = self.port.update_connections() {
+            tracing::debug!(?error, "can't let go of bells");
+        }
     }
 
     /// Whether there was a bell to ring.
