@@ -42,7 +42,7 @@ pub use disc_path::disc_path;
 pub use drive::drive;
 pub use lattice::Resolution;
 pub use planner::Planner;
-pub use travelled::channels_travelled;
+pub use travelled::ChannelsTravelled;
 
 /// A robot, where it stands, and where it is to go.
 #[derive(Debug, Clone, Copy)]

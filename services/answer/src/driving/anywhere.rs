@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Weak};
 
-use planning::any_angle::{self, Planner, RobotMotion, channels_travelled};
+use planning::any_angle::{self, ChannelsTravelled, Planner, RobotMotion};
 use planning::budget::Budget;
 use planning::free_space::floor::{Floor, FloorError};
 use planning::free_space::walls::{Complement, Walls};
@@ -39,16 +39,15 @@ pub(super) struct Memory {
     found: RobotMotion,
     /// The greatest free clearance, once found, metres.
     safest: Option<f64>,
-    /// The channels travelled.
-    route: Vec<usize>,
+    travelled: ChannelsTravelled,
     profile: Profile,
 }
 
 impl Memory {
     /// The memory that it holds, bytes.
     pub(super) fn bytes(&self) -> usize {
-        let route = self.route.capacity() * size_of::<usize>();
-        self.planner.bytes() + self.found.bytes() + self.profile.bytes() + route
+        let Self { planner, found, profile, travelled, .. } = self;
+        planner.bytes() + found.bytes() + profile.bytes() + travelled.bytes()
     }
 }
 
@@ -148,15 +147,15 @@ impl Job for AnywhereJob<'_> {
     fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         let wished = self.wished(wish)?;
         self.drive(wished, wish)?;
-        let Memory { found, profile, route, .. } = &mut *self.memory;
+        let Memory { found, profile, travelled, .. } = &mut *self.memory;
         let (rounding, budget) = (self.floor.rounding(), self.resources.budget);
-        channels_travelled(&found.legs, self.channels, rounding, route, budget)?;
-        self.pace.plan(&found.legs, profile, 1 + route.len(), &self.resources)
+        travelled.find(&found.legs, self.channels, rounding, budget)?;
+        self.pace.plan(&found.legs, profile, 1 + travelled.route().len(), &self.resources)
     }
 
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
-        let Memory { found, profile, route, .. } = &*self.memory;
-        write(found, route, (&self.pace, profile), last, parts)
+        let Memory { found, profile, travelled, .. } = &*self.memory;
+        write(found, travelled.route(), (&self.pace, profile), last, parts)
     }
 }
 

@@ -2,47 +2,107 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, Held, Spent};
+use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Vector, unit};
 use crate::motion::{Curve, Leg};
 
 /// Steps of the budget that following a leg in a channel takes.
 const STEPS_PER_LEG: u64 = 4;
 
+/// More channels than this are indexed.
+const FEW: usize = 32;
+
 /// A place on a motion: a leg, and which part of it has been travelled.
 type PathPlace = (usize, f64);
 
-/// Puts into `route` the indices of channels in the order in which the reference point travels
-/// them, as few as lead on farthest each. `rounding`: how far outside of a channel counts as inside, metres.
-pub fn channels_travelled(
-    legs: &[Leg<2>],
-    channels: &[AxisBox<2>],
-    rounding: f64,
-    route: &mut Vec<usize>,
-    budget: &Budget<'_>,
-) -> Result<(), Spent> {
-    route.clear();
-    let mut at: PathPlace = (0, 0.0);
-    while at.0 < legs.len() {
-        let mut best: Option<(PathPlace, usize)> = None;
-        for (index, channel) in channels.iter().enumerate() {
-            budget.step(1)?;
-            let to = follow(legs, at, channel, rounding, budget)?;
-            if to > at && best.is_none_or(|(farthest, _)| to > farthest) {
-                best = Some((to, index));
-            }
+/// The channels that a motion travels, in memory that is used again.
+#[derive(Debug, Default)]
+pub struct ChannelsTravelled {
+    route: Vec<usize>,
+    index: BoxTree<2>,
+}
+
+impl ChannelsTravelled {
+    /// The indices of the channels in the order in which the reference point travels them.
+    pub fn route(&self) -> &[usize] {
+        &self.route
+    }
+
+    /// The memory that it holds, bytes.
+    pub fn bytes(&self) -> usize {
+        self.route.capacity() * size_of::<usize>() + self.index.bytes()
+    }
+
+    /// Finds them: as few as lead on farthest each, of those that lead on equally far the first.
+    /// `rounding`: how far outside of a channel counts as inside, metres.
+    pub fn find(
+        &mut self,
+        legs: &[Leg<2>],
+        channels: &[AxisBox<2>],
+        rounding: f64,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        let Self { route, index: tree } = self;
+        route.clear();
+        let is_indexed = channels.len() > FEW;
+        let held = if is_indexed { BoxTree::<2>::bytes_for(channels.len()) } else { 0 };
+        let _held = Held::new(budget, held)?;
+        if is_indexed {
+            let bounds = |index: usize| (channels[index].min(), channels[index].max());
+            tree.build(channels.len(), bounds, budget)?;
         }
-        let Some((to, channel)) = best else { break };
-        route.push(channel);
-        at = to;
+        let mut at: PathPlace = (0, 0.0);
+        while let Some(leg) = legs.get(at.0) {
+            let mut best: Option<(PathPlace, usize)> = None;
+            let mut offer = |index: usize| {
+                let to = follow(legs, at, &channels[index], rounding, budget)?;
+                let is_better = best.is_none_or(|(farthest, first)| {
+                    to > farthest || to == farthest && index < first
+                });
+                if to > at && is_better {
+                    best = Some((to, index));
+                }
+                Ok(())
+            };
+            if is_indexed {
+                let here = point_at(&leg.curve, at.1);
+                let mut result = Ok(());
+                // Beside a corner of a box by its margin on both axes.
+                let reach = 2.0 * rounding;
+                tree.visit(&here, &here, reach, budget, |index| {
+                    result = result.and_then(|()| offer(index));
+                    if result.is_ok() { reach } else { -1.0 }
+                })?;
+                result?;
+            } else {
+                budget.step(channels.len() as u64)?;
+                (0..channels.len()).try_for_each(offer)?;
+            }
+            let Some((to, channel)) = best else { break };
+            route.push(channel);
+            at = to;
+        }
+        if route.is_empty() {
+            // A motion without length.
+            let here = legs.first().map(|leg| leg.curve.start());
+            let first =
+                here.and_then(|here| channels.iter().position(|channel| channel.holds(&here)));
+            route.extend(first);
+        }
+        Ok(())
     }
-    if route.is_empty() {
-        // A motion without length.
-        let here = legs.first().map(|leg| leg.curve.start());
-        let first = here.and_then(|here| channels.iter().position(|channel| channel.holds(&here)));
-        route.extend(first);
+}
+
+/// The reference point after a part of a curve.
+fn point_at(curve: &Curve<2>, part: f64) -> Vector<2> {
+    match *curve {
+        Curve::Turn { position, .. } => position,
+        Curve::Line { from, to, .. } => from + (to - from) * part,
+        Curve::Arc { center, radius, start_angle, sweep, .. } => {
+            center + unit(start_angle + part * sweep) * radius
+        }
     }
-    Ok(())
 }
 
 /// How far a motion stays in a channel from a place on.
@@ -80,7 +140,7 @@ fn stays_until(curve: &Curve<2>, from: f64, channel: &AxisBox<2>, rounding: f64)
             }
         }
         Curve::Line { from: begin, to: end, .. } => {
-            if !is_inside(&(begin + (end - begin) * from)) {
+            if !is_inside(&point_at(curve, from)) {
                 return from;
             }
             let mut leaves = 1.0_f64;
@@ -94,7 +154,7 @@ fn stays_until(curve: &Curve<2>, from: f64, channel: &AxisBox<2>, rounding: f64)
             leaves.max(from)
         }
         Curve::Arc { center, radius, start_angle, sweep, .. } => {
-            let at = |part: f64| center + unit(start_angle + part * sweep) * radius;
+            let at = |part: f64| point_at(curve, part);
             if !is_inside(&at(from)) {
                 return from;
             }
@@ -121,5 +181,57 @@ fn stays_until(curve: &Curve<2>, from: f64, channel: &AxisBox<2>, rounding: f64)
             }
             leaves
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::Cap;
+
+    fn channel(min: [f64; 2], max: [f64; 2]) -> AxisBox<2> {
+        AxisBox::new(min.into(), max.into()).unwrap()
+    }
+
+    /// A staircase of corridors, travelled up; each is there twice, and long ones lie aside.
+    #[test]
+    fn indexed_channels_are_those_looked_at_one_by_one() {
+        let mut channels = Vec::new();
+        for step in 0..40 {
+            let at = f64::from(step) * 4.0;
+            channels.push(channel([at - 1.0, at - 1.0], [at + 5.0, at + 1.0]));
+            channels.push(channel([at + 3.0, at - 1.0], [at + 5.0, at + 5.0]));
+            channels.push(channel([at - 1.0, at - 1.0], [at + 5.0, at + 1.0]));
+            channels.push(channel([at + 3.0, -9.0], [at + 5.0, -8.0]));
+        }
+        let legs_to = |steps: i32| -> Vec<Leg<2>> {
+            let corner =
+                |index: i32| Vector::from([f64::from((index + 1) / 2), f64::from(index / 2)]) * 4.0;
+            let line = |index: i32| {
+                let (from, to) = (corner(index), corner(index + 1));
+                let way = to - from;
+                let heading = libm::atan2(way.y, way.x);
+                let curve = Curve::Line { from, to, heading, turned: 0.0 };
+                Leg { curve, junction: None, rule: None, rung: None }
+            };
+            (0..steps).map(line).collect()
+        };
+        let mut travelled = ChannelsTravelled::default();
+        let mut find = |legs: &[Leg<2>], channels: &[AxisBox<2>]| {
+            let budget = Budget::default();
+            travelled.find(legs, channels, 1e-9, &budget).unwrap();
+            (travelled.route().to_vec(), budget.drawn(Cap::Steps))
+        };
+        let expected: Vec<_> = (0..40).flat_map(|step| [4 * step, 4 * step + 1]).collect();
+        for steps in [1, 2, 7, 16] {
+            let (route, _) = find(&legs_to(steps), &channels);
+            assert_eq!(route, expected[..steps as usize]);
+            // Few enough to be looked at one by one.
+            assert_eq!(find(&legs_to(steps), &channels[..FEW]).0, route);
+        }
+        // Not legs times channels.
+        let (route, steps) = find(&legs_to(80), &channels);
+        assert_eq!(route, expected);
+        assert!(steps < 80 * 100, "{steps}");
     }
 }
