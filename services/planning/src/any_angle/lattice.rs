@@ -72,7 +72,7 @@ pub struct Resolution {
 }
 
 /// What a search is to keep.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Kept {
     /// From the walls, on every leg, metres.
     pub(super) least: f64,
@@ -83,6 +83,9 @@ pub(super) struct Kept {
 }
 
 impl Kept {
+    /// It need not touch a wall, and may be of any length.
+    const NOTHING: Self = Self { least: 0.0, as_at_ends: false, most_length: f64::INFINITY };
+
     /// So much from all walls.
     #[cfg(test)]
     fn all_along(least: f64) -> Self {
@@ -101,6 +104,8 @@ pub(super) struct LatticeMemory {
     resolution: Option<Resolution>,
     /// The scene as searches see it, once there has been one.
     scene: Option<OwnScene>,
+    /// What [`aligned`] found there that need keep nothing, by whether it may drive backwards.
+    bare: [Option<Option<Vec<Curve<2>>>>; 2],
 }
 
 impl LatticeMemory {
@@ -109,6 +114,8 @@ impl LatticeMemory {
         if let Some(scene) = self.scene.take() {
             scene.release(budget);
         }
+        self.field.forget();
+        self.bare = [None, None];
     }
 
     /// The memory that it holds, bytes.
@@ -136,7 +143,18 @@ pub(super) fn aligned(
     if !errand.abilities.turn_in_place {
         return Ok(None);
     }
-    in_own_scene((errand, kept), memory, budget, |probes, memory| straight(probes, COARSE, memory))
+    // The ladder asks for that with many gaps.
+    let is_bare = kept == Kept::NOTHING;
+    let reverse = usize::from(errand.abilities.reverse);
+    if is_bare && let Some(known) = &memory.bare[reverse] {
+        return Ok(known.clone());
+    }
+    let run = |probes: &Probes<'_>, memory: &mut _| straight(probes, COARSE, memory);
+    let found = in_own_scene((errand, kept), memory, budget, run)?;
+    if is_bare {
+        memory.bare[reverse] = Some(found.clone());
+    }
+    Ok(found)
 }
 
 /// The search over poses. The curves lead from the start to the goal; `None` if there are none at
@@ -205,8 +223,7 @@ pub(super) fn widened(
     legs: &[Leg<2>],
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    let kept = Kept { least: 0.0, as_at_ends: false, most_length: f64::INFINITY };
-    let probe = Probe::new(errand, kept, budget)?;
+    let probe = Probe::new(errand, Kept::NOTHING, budget)?;
     let Some(mut way) = Way::of(legs, &probe) else { return Ok(None) };
     if way.backs.len() < 2 {
         return Ok(None);

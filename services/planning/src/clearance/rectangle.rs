@@ -359,6 +359,10 @@ fn search(
     meet: impl Fn(&Wall<2>, &mut Met) -> Result<(), Spent>,
 ) -> Result<Met, Spent> {
     let mut met = Met::NOTHING;
+    if let Look::Until(least) = look {
+        // What is farther away need not be told apart.
+        met.value = least.next_up();
+    }
     let mut spent = Ok(());
     // The index draws for the walls that it finds; what meeting them takes is drawn at the end.
     let mut count = 0;

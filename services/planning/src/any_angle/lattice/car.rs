@@ -188,9 +188,10 @@ impl ExploreArcs<'_, '_> {
     ) -> Result<(), Spent> {
         let (mut can_turn, mut is_open) = (false, false);
         if self.steering.turn.is_some() {
-            let clear = self.field.clear_at_least(self.probe, &place.at)?;
+            let swing = self.probe.swing;
+            let [clear, most] = self.field.clear_about(self.probe, &place.at)?;
             is_open = self.field.is_open(clear, self.probe);
-            can_turn = clear >= self.probe.swing || self.probe.can_turn(&place.at)?;
+            can_turn = clear >= swing || most >= swing && self.probe.can_turn(&place.at)?;
         }
         let key = match (can_turn, is_open) {
             (true, true) => pose_key(&place.at, OPEN_BINS * self.bin, OPEN),

@@ -73,7 +73,7 @@ struct PoseNode {
     moves: bool,
     /// The index of its heading in a narrow place, or [`ANY`].
     slot: u16,
-    /// The distance from the walls is at least this, metres.
+    /// The distance from the walls is at least this, metres; or if less than the turning circle takes, at most.
     clear: f64,
     cost: f64,
     before: u32,
@@ -321,9 +321,9 @@ impl Explore<'_, '_> {
             return Ok(());
         }
         let swing = self.probe.swing;
-        let mut clear = self.field.clear_at_least(self.probe, &at)?;
+        let [mut clear, most] = self.field.clear_about(self.probe, &at)?;
         if clear < swing {
-            clear = self.probe.distance(&at, swing)?;
+            clear = if most < swing { most } else { self.probe.distance(&at, swing)? };
         }
         let (slot, key) = if clear >= swing {
             (ANY, self.free_key(&at, clear))

@@ -69,6 +69,8 @@ pub(super) struct Field {
     /// Distance of each cell's middle from the walls, up to `reach`; NaN where not known yet.
     clear: Vec<f64>,
     reach: f64,
+    /// Whether those distances are of the scene at hand.
+    is_known: bool,
     /// The way from each cell's middle to the goal, metres; infinite where not known.
     to_goal: Vec<f64>,
     heap: BinaryHeap<Queued>,
@@ -78,6 +80,11 @@ impl Field {
     pub(super) fn bytes(&self) -> usize {
         (self.clear.capacity() + self.to_goal.capacity()) * size_of::<f64>()
             + self.heap.capacity() * size_of::<Queued>()
+    }
+
+    /// To be called before it is built in another scene.
+    pub(super) fn forget(&mut self) {
+        self.is_known = false;
     }
 
     /// Covers all walls, the start and the goal, and finds the way from everywhere to the goal.
@@ -93,15 +100,18 @@ impl Field {
         self.cell(point).map_or(f64::INFINITY, |cell| self.to_goal[cell])
     }
 
-    /// The distance of a point from the walls is at least this, metres. It is a quick answer.
-    pub(super) fn clear_at_least(
+    /// The distance of a point from the walls is at least, and at most, this, metres; at most
+    /// infinite where they are far. It is a quick answer.
+    pub(super) fn clear_about(
         &mut self,
         probe: &Probe<'_>,
         point: &Vector<2>,
-    ) -> Result<f64, Spent> {
-        let Some(cell) = self.cell(point) else { return Ok(0.0) };
+    ) -> Result<[f64; 2], Spent> {
+        let Some(cell) = self.cell(point) else { return Ok([0.0, f64::INFINITY]) };
         let apart = (point - self.middle(cell)).norm();
-        Ok(self.clear(probe, cell)? - apart)
+        let clear = self.clear(probe, cell)?;
+        let most = if clear < self.reach { clear + apart } else { f64::INFINITY };
+        Ok([clear - apart, most])
     }
 
     /// Whether a place is open if its distance from the walls is at least this.
@@ -126,6 +136,7 @@ impl Field {
         let step = probe.errand.footprint.width() / CELLS_PER_WIDTH;
         let margin = Vector::repeat(2.0 * probe.swing + 2.0 * step);
         (low, high) = (low - margin, high + margin);
+        let before = (self.step, self.first, self.size);
         let size = high - low;
         self.step = step.max((size.x * size.y / MOST_CELLS).sqrt());
         self.step = self.step.max(size.amax() / MOST_CELLS);
@@ -136,13 +147,29 @@ impl Field {
         let cells = (self.size[0] * self.size[1]) as usize;
         probe.budget.step(cells as u64 / 8)?;
         let held = Held::new(probe.budget, 2 * cells * size_of::<f64>())?;
-        self.reach = probe.swing + REACH * self.step;
-        self.clear.clear();
-        self.clear.resize(cells, f64::NAN);
+        self.find_clear_to(probe.swing + REACH * self.step, before, cells);
         self.to_goal.clear();
         self.to_goal.resize(cells, f64::INFINITY);
         self.heap.clear();
         Ok(held)
+    }
+
+    /// Distances are to be known up to `reach`. Those of the search before stay, if it was on the
+    /// same grid in the same scene.
+    fn find_clear_to(&mut self, reach: f64, before: (f64, [i64; 2], [i64; 2]), cells: usize) {
+        if self.is_known && before == (self.step, self.first, self.size) {
+            if reach > self.reach {
+                let known = self.reach;
+                let beyond = self.clear.iter_mut().filter(|clear| **clear >= known);
+                beyond.for_each(|clear| *clear = f64::NAN);
+                self.reach = reach;
+            }
+            return;
+        }
+        self.is_known = true;
+        self.reach = reach;
+        self.clear.clear();
+        self.clear.resize(cells, f64::NAN);
     }
 
     fn cell(&self, point: &Vector<2>) -> Option<usize> {

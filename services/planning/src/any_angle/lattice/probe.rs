@@ -218,6 +218,15 @@ impl<'a> Probe<'a> {
         Ok(free.map_or(f64::INFINITY, |free| free.value))
     }
 
+    /// Whether its free clearance is greater than this, metres.
+    pub(super) fn is_freer(&self, curve: &Curve<2>, least: f64) -> Result<bool, Spent> {
+        let Errand { footprint, walls, .. } = self.errand;
+        let bare = CONTACT + 2.0 * self.rounding;
+        // What keeps that from all walls is free by as much.
+        let is_clear = stays_clear(footprint, curve, walls, least.max(bare), self.budget)?;
+        Ok(is_clear || self.free_clearance(curve)? > least)
+    }
+
     /// Whether a motion that touches no wall keeps what it must, or as much as at an end.
     fn is_as_at_ends(&self, curve: &Curve<2>) -> Result<bool, Spent> {
         let arrives = curve.end() == self.errand.goal.position;

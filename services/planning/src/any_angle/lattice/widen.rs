@@ -4,6 +4,7 @@ use super::probe::Probe;
 use super::shorten::directions;
 use super::way::Way;
 use crate::budget::Spent;
+use crate::motion::Curve;
 
 /// Points are moved by steps from the first to the last part of the turning circle's radius.
 const FIRST_STEP: f64 = 0.25;
@@ -35,9 +36,13 @@ pub(super) fn widen(way: &mut Way, probe: &Probe<'_>) -> Result<(), Spent> {
             let mut worst: Option<(f64, WayPiece)> = None;
             let pieces = (0..count).map(WayPiece::Leg).chain((0..=count).map(WayPiece::Turn));
             for piece in pieces {
-                let kept = kept(way, piece, probe)?;
-                if worst.is_none_or(|(least, _)| kept < least - WORTH * step) {
-                    worst = Some((kept, piece));
+                let Some(curve) = curve_of(way, piece, probe) else { continue };
+                let is_worse = match worst {
+                    Some((least, _)) => !probe.is_freer(&curve, least - WORTH * step)?,
+                    None => true,
+                };
+                if is_worse {
+                    worst = Some((probe.free_clearance(&curve)?, piece));
                 }
             }
             let Some((least, piece)) = worst else { return Ok(()) };
@@ -90,28 +95,34 @@ fn keeps_more(
     probe: &Probe<'_>,
 ) -> Result<bool, Spent> {
     for leg in first - 1..=last {
-        if kept(way, WayPiece::Leg(leg), probe)? <= least {
+        if !is_freer(way, WayPiece::Leg(leg), least, probe)? {
             return Ok(false);
         }
     }
     for knot in first - 1..=last + 1 {
         way.turn_again(knot, probe);
-        if kept(way, WayPiece::Turn(knot), probe)? <= least {
+        if !is_freer(way, WayPiece::Turn(knot), least, probe)? {
             return Ok(false);
         }
     }
     Ok(true)
 }
 
-/// The free clearance over a piece, metres; 0 if it touches a wall.
-fn kept(way: &Way, piece: WayPiece, probe: &Probe<'_>) -> Result<f64, Spent> {
-    let curve = match piece {
-        WayPiece::Leg(leg) => probe.line(&way.knots[leg], &way.knots[leg + 1], way.backs[leg]),
-        WayPiece::Turn(knot) if way.sweeps[knot] == 0.0 => return Ok(f64::INFINITY),
+/// Whether a piece has more free clearance than this, metres.
+fn is_freer(way: &Way, piece: WayPiece, least: f64, probe: &Probe<'_>) -> Result<bool, Spent> {
+    curve_of(way, piece, probe).map_or(Ok(true), |curve| probe.is_freer(&curve, least))
+}
+
+/// `None` where it does not turn.
+fn curve_of(way: &Way, piece: WayPiece, probe: &Probe<'_>) -> Option<Curve<2>> {
+    match piece {
+        WayPiece::Leg(leg) => {
+            Some(probe.line(&way.knots[leg], &way.knots[leg + 1], way.backs[leg]))
+        }
+        WayPiece::Turn(knot) if way.sweeps[knot] == 0.0 => None,
         WayPiece::Turn(knot) => {
             let [from, _] = way.headings_at(knot, probe);
-            probe.turn_by(&way.knots[knot], from, way.sweeps[knot])
+            Some(probe.turn_by(&way.knots[knot], from, way.sweeps[knot]))
         }
-    };
-    probe.free_clearance(&curve)
+    }
 }

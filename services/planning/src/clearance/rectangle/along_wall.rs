@@ -198,7 +198,12 @@ impl DistanceLaw {
         (low, high): (f64, f64),
         mut found: impl FnMut(f64),
     ) {
+        // Rounding does not move a crossing that far.
+        let margin = high - low;
         let mut root = |place: f64| {
+            if !(low - margin < place && place < high + margin) {
+                return;
+            }
             let place = self.polished(other, place);
             if low < place && place < high {
                 found(place);

@@ -263,10 +263,17 @@ impl Binding {
                 continue;
             }
             let law = shape.law(&at, &along);
-            if law.at(law.lowest(low, high)) >= self.value {
+            let lowest = law.lowest(low, high);
+            let value = law.at(lowest);
+            if value >= self.value {
                 continue;
             }
             let caps = [0, 1].map(|end| self.ends[end].law(&at, &along));
+            // Where the least of all binds, it is the least that does.
+            if low < lowest && lowest < high && value < caps[0].at(lowest).min(caps[1].at(lowest)) {
+                (self.value, self.wall) = (value, at + along * lowest);
+                continue;
+            }
             let mut cuts = Cuts::<6>::between(low, high);
             for cap in &caps {
                 law.crossings(cap, (low, high), |place| cuts.push(place));
