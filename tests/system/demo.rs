@@ -33,7 +33,7 @@ fn two_demos_run_at_once() {
 
 #[test]
 fn a_signal_ends_a_demo_and_its_processes() {
-    for moment in ["out", "out/demo.mcap"] {
+    for moment in ["out", "out/demo.mcap.part"] {
         // Ctrl-C reaches planner and recorder too, a service manager's SIGTERM the demo alone.
         assert_eq!(interrupted(moment, Signal::INT, kill_group), Some(130), "{moment}");
         assert_eq!(interrupted(moment, Signal::TERM, kill_process), Some(143), "{moment}");

@@ -20,15 +20,16 @@ fn ask(test: &TestDomain, times: usize) {
 
 /// How many replies of a recording that is being written can be read.
 fn readable(test: &TestDomain) -> usize {
-    recording(&test.path("run.mcap")).replies().len()
+    recording(&test.path("run.mcap.part")).replies().len()
 }
 
 /// Recovers the recording of a recorder that was killed; `replies` are whole.
 fn check_recovered(test: &TestDomain, replies: usize) {
-    let checked = test.run("replay", &["check", "run.mcap"]);
+    assert!(!test.path("run.mcap").exists(), "it is not finished");
+    let checked = test.run("replay", &["check", "run.mcap.part"]);
     assert_eq!(checked.code, Some(3), "{checked:?}");
     assert!(checked.stderr.contains("the recording is cut"), "{checked:?}");
-    let recovered = test.run("replay", &["recover", "run.mcap", "-o", "whole.mcap"]);
+    let recovered = test.run("replay", &["recover", "run.mcap.part", "-o", "whole.mcap"]);
     assert_eq!(recovered.code, Some(0), "{recovered:?}");
     let whole = test.run("replay", &["check", "whole.mcap"]);
     let stdout = format!("whole.mcap: {replies} requests, {replies} equal\n");
@@ -43,7 +44,7 @@ fn a_killed_recorder_has_written_what_came_before_the_last_flush() {
     ask(&test, 5);
     wait_for("the flush", || (readable(&test) == 5).then_some(()));
     recorder.kill();
-    let left = recording(&test.path("run.mcap"));
+    let left = recording(&test.path("run.mcap.part"));
     assert_eq!(left.records.len(), 15);
     assert!(matches!(left.error, Some(ReadError::Cut { .. })), "{:?}", left.error);
     check_recovered(&test, 5);
@@ -76,7 +77,7 @@ fn a_recorder_killed_under_load_leaves_no_gap() {
     let flushed = readable(&test);
     client.call(&small(), LONG).unwrap();
     recorder.kill();
-    let left = recording(&test.path("run.mcap"));
+    let left = recording(&test.path("run.mcap.part"));
     assert!(matches!(left.error, Some(ReadError::Cut { .. })), "{:?}", left.error);
     for (sequence, record) in left.records.iter().enumerate() {
         assert_eq!(record.sequence as usize, sequence);

@@ -29,7 +29,7 @@ fn read_and_recover(bytes: &[u8]) {
     FOLDER.with(|folder| {
         let [from, to] = ["from.mcap", "to.mcap"].map(|name| folder.path().join(name));
         fs::write(&from, bytes).expect("the folder takes files");
-        let Ok(recovered) = recover(&from, &to, Options { overwrite: true }) else { return };
+        let Ok(recovered) = recover(&from, &to, false, Options::overwriting()) else { return };
         let saved = recovered.summary;
         assert!(!whole || saved.recorded >= read, "{read} messages were read, {saved:?}");
         let mut reader = Reader::open(&to).expect("what was recovered is a recording");

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ::recording::Writer;
+use ::recording::{Options, Writer};
 use schemas::codec;
 use schemas::convert::{self, CellWriter, Certificate, PartSink};
 use schemas::json;
@@ -233,7 +233,8 @@ pub(crate) fn recording() -> Seeds {
     let mut seeds = Vec::new();
     for (name, scene, parts) in exchanges().into_iter().rev().take(3) {
         let mut bytes = Vec::new();
-        let mut writer = Writer::new(&mut bytes).expect("memory takes bytes");
+        let options = Options { id: Some(0x5eed), ..Options::default() };
+        let mut writer = Writer::new(&mut bytes, options).expect("memory takes bytes");
         writer.write_request(&request(scene), TIME_NS + 2).expect("memory takes bytes");
         writer.flush().expect("memory takes bytes");
         writer.lost(3);

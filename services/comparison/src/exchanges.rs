@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use recording::{Message, ReadError, Reader, Summary};
+use recording::{Coverage, Heartbeat, Message, ReadError, Reader, Summary};
 use schemas::message::{AssembleError, Reply, ReplyAssembler, ReplyPart, Request, RequestKey};
 use thiserror::Error;
 
@@ -84,6 +84,12 @@ pub struct Contents {
     pub summary: Option<Summary>,
     /// Messages of other channels.
     pub skipped: u64,
+    /// How much checksums vouch for.
+    pub coverage: Coverage,
+    /// The recorder's last sign of life.
+    pub heartbeat: Option<Heartbeat>,
+    /// What its recorder wrote at the beginning.
+    pub description: BTreeMap<String, String>,
     /// Why it could not be read to its end.
     pub error: Option<ReadError>,
 }
@@ -92,6 +98,13 @@ impl Contents {
     /// Messages that the recorder missed, as far as the recording shows.
     pub fn lost(&self) -> u64 {
         self.missing.0.max(self.summary.map_or(0, |summary| summary.lost))
+    }
+
+    /// Messages that the planner had sent before the recorder's last sign of life, and that a
+    /// recording without an end does not have.
+    pub fn unrecorded(&self) -> u64 {
+        let cut = self.heartbeat.filter(|_| self.summary.is_none());
+        cut.map_or(0, |beat| beat.announced.saturating_sub(beat.sequence))
     }
 
     /// Whether anything is missing, a cut end included.
@@ -185,6 +198,9 @@ pub fn read(
     contents.missing = (reader.lost(), reader.gaps());
     contents.summary = reader.summary();
     contents.skipped = reader.skipped();
+    contents.coverage = reader.coverage();
+    contents.heartbeat = reader.heartbeat();
+    contents.description = reader.description().clone();
     contents
 }
 

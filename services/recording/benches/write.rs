@@ -85,7 +85,7 @@ fn recording(bencher: Bencher) {
         .counter(ItemsCount::new(MESSAGES))
         .bench_local(|| {
             let path = folder.path().join("recording.mcap");
-            let mut writer = Writer::create(path, Options { overwrite: true }).unwrap();
+            let mut writer = Writer::create(path, Options::overwriting()).unwrap();
             for at in 0..MESSAGES as u64 {
                 writer.write_reply(black_box(&part), at).unwrap();
             }

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Nanoseconds since the Unix epoch: when it was sent, and when it was recorded.
     let (asked, answered) = (1_700_000_000_000_000_000, 1_700_000_000_000_200_000);
 
-    let mut writer = Writer::create(&path, Options { overwrite: false })?;
+    let mut writer = Writer::create(&path, Options::default())?;
     let content = RequestContent::Scene(scene);
     writer.write_request(&Request { key, sent_ns: asked, content }, asked + 1_000)?;
     let reply = ReplyPart {

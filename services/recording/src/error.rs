@@ -22,13 +22,13 @@ pub enum ReadError {
         /// Its first bytes, at most 8.
         found: Vec<u8>,
     },
-    /// It is an MCAP file of another profile.
-    #[error("not a Clearway recording: the profile is {found:?}, not {expected:?}")]
-    Profile {
+    /// It is a whole MCAP file, but none of a planner.
+    #[error("no recording of planning: an MCAP file of profile {profile:?} with {holds}")]
+    NotPlanning {
         /// The file's profile.
-        found: String,
-        /// A recording's profile.
-        expected: &'static str,
+        profile: String,
+        /// Its channels, in words.
+        holds: String,
     },
     /// A channel has the name of one of ours but holds something else.
     #[error("byte {offset}: the {what} of {topic} is {found:?}, expected {expected:?}")]
@@ -138,11 +138,70 @@ pub enum Damage {
         /// What it is.
         what: &'static str,
     },
-    /// A chunk is compressed, which recordings never are.
-    #[error("a chunk is compressed with {method:?}, which is not supported")]
-    Compressed {
-        /// The method's name in MCAP.
+    /// A chunk claims to unpack to more than any can.
+    #[error("a chunk claims {claimed} bytes of records, the most is {most}")]
+    ChunkSize {
+        /// Bytes claimed.
+        claimed: u64,
+        /// Bytes allowed.
+        most: u64,
+    },
+    /// A chunk's data do not unpack.
+    #[error("a chunk can't be unpacked: {reason}")]
+    Unpack {
+        /// What the method says.
+        reason: String,
+    },
+    /// A chunk is compressed in a way that is not of MCAP.
+    #[error("a chunk is compressed with {method:?}; \"lz4\" and \"zstd\" can be read")]
+    Compression {
+        /// The method's name.
         method: String,
+    },
+    /// No checksum vouches for it.
+    #[error("no checksum covers {what}")]
+    Unchecked {
+        /// What it is.
+        what: &'static str,
+    },
+    /// Records can't be followed any further.
+    #[error("{bytes} bytes from here on are no records")]
+    Lost {
+        /// Bytes up to the end of the file.
+        bytes: u64,
+    },
+    /// A checksum is missing where the recorder writes one.
+    #[error("a chunk has no checksum, although its recorder writes one")]
+    NoChecksum,
+    /// A part of the file is not where it was written.
+    #[error("what is here was written at byte {written}")]
+    Moved {
+        /// Where it was written.
+        written: u64,
+    },
+    /// A part of another recording is in the file.
+    #[error("what is here belongs to recording {found:032x}, this one is {expected:032x}")]
+    Stranger {
+        /// The other recording.
+        found: u128,
+        /// This one.
+        expected: u128,
+    },
+    /// A part of the file is missing, or there twice.
+    #[error("part {found} of the recording is here, where part {expected} should be")]
+    Order {
+        /// The part's number.
+        found: u64,
+        /// The number expected.
+        expected: u64,
+    },
+    /// A part of the file does not say how it goes on from the one before.
+    #[error("messages up to {found} were recorded before this, but up to {read} are here")]
+    Count {
+        /// Messages counted here.
+        read: u64,
+        /// Messages that the recorder had counted.
+        found: u64,
     },
     /// A record is where it may not be.
     #[error("unexpected record: {what}")]

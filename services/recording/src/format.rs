@@ -16,6 +16,9 @@ pub const CHUNK_BYTES: u64 = 1 << 20;
 /// 100,000 channels 6.5 MB.)
 pub const MOST_MESSAGE_BYTES: usize = codec::MOST_BYTES;
 
+/// Bytes of a message's record in front of the message.
+pub(crate) const MESSAGE_HEAD: usize = 9 + 22;
+
 /// The longest record that is read. One flipped bit in a length can claim 2^56 bytes;
 /// below this limit memory is taken only for bytes that the file really has.
 pub(crate) const MOST_RECORD_BYTES: usize = MOST_MESSAGE_BYTES + (2 << 20);

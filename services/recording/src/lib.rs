@@ -5,15 +5,15 @@
 //! metadata (`schema_version`) gives the messages' version, and the schema records
 //! describe them in words. Files of older versions are read; newer ones are refused.
 //!
-//! Messages lie in uncompressed chunks, each with a checksum. [`Writer`] closes a chunk at
-//! every [`Writer::flush`], so a killed recorder loses only what came after the last one.
-//! [`Reader`] returns no message whose checksum it has not verified, and [`recover`]
-//! copies the intact messages of a damaged file.
+//! Messages lie in chunks, each with a checksum and behind a mark with the recording's random
+//! number. [`Writer`] closes a chunk at every [`Writer::flush`], so a killed recorder loses only
+//! what came after the last one. [`Reader`] checks all checksums and says what none covers, and
+//! [`recover`] copies what they vouch for in a damaged file.
 //!
 //! MCAP tools read these files; this is the only crate that names the `mcap` crate.
 //!
 //! ```
-//! use recording::{Message, Reader, Writer};
+//! use recording::{Message, Options, Reader, Writer};
 //! use schemas::message::{Request, RequestContent, RequestKey, SceneRequest};
 //!
 //! let request = Request {
@@ -22,7 +22,7 @@
 //!     content: RequestContent::Scene(SceneRequest::empty()),
 //! };
 //! let mut bytes = Vec::new();
-//! let mut writer = Writer::new(&mut bytes)?;
+//! let mut writer = Writer::new(&mut bytes, Options::default())?;
 //! writer.write_request(&request, 1_500)?;
 //! writer.finish()?;
 //!
@@ -34,22 +34,34 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod channels;
 mod chunk;
+mod coverage;
 mod error;
 mod fields;
+mod file;
 mod format;
+mod gaps;
+mod mark;
+mod options;
+mod parts;
 mod read;
 mod record;
 mod recover;
+mod source;
 mod summary;
 #[cfg(test)]
 mod tests;
 mod write;
 
+pub use coverage::Coverage;
 pub use error::{Damage, ReadError};
+pub use file::{NewFile, Trouble};
 pub use format::{CHUNK_BYTES, FLUSH_INTERVAL, MOST_MESSAGE_BYTES};
+pub use options::{Compression, Options};
+pub use parts::Dropped;
 pub use read::Reader;
-pub use record::{Message, Record};
+pub use record::{Heartbeat, Message, Record};
 pub use recover::{RecoverError, Recovered, recover};
 pub use summary::Summary;
-pub use write::{Options, WriteError, Writer};
+pub use write::{WriteError, Writer};

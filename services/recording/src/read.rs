@@ -1,5 +1,6 @@
 //! Reading recordings.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -9,24 +10,30 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 use schemas::topic;
 
-use crate::chunk::{self, Channels, Gaps, Records, Step};
+use crate::channels::{Channels, Step};
+use crate::chunk::{Chunk, Records};
+use crate::coverage::Coverage;
 use crate::error::{Damage, ReadError};
 use crate::fields::{Fields, RECORD_HEAD};
 use crate::format::MOST_RECORD_BYTES;
-use crate::record::Record;
-use crate::summary::Summary;
+use crate::gaps::Gaps;
+use crate::mark::{Mark, Marks};
+use crate::record::{Heartbeat, Record};
+use crate::summary::{self, Summary};
 
 /// Reads a recording from its beginning, in file order, which is bus order.
 ///
-/// It returns messages of chunks whose checksum it has verified, and nothing else. After the
-/// first error it returns nothing more; the messages before are right. Channels with other
-/// names, such as those for viewers, are skipped and counted.
+/// Of recordings by [`Writer`](crate::Writer) it returns messages of chunks whose checksum it has
+/// verified, and nothing else. Files that went through other tools are read as well: compressed or
+/// not, in chunks or not, with or without checksums; [`Reader::coverage`] tells what was not
+/// checked. After the first error it returns nothing more; the messages before are right. Channels
+/// with other names, such as those for viewers, are skipped and counted.
 ///
 /// The file is read as a stream; memory is taken for one chunk, and never more than the file
-/// has left.
+/// has left or a chunk claims to unpack to.
 ///
 /// Damage to a length in an unfinished file can look like a cut. The checksum over the whole
-/// file, which shows that no chunk is missing, is known only at its end.
+/// file is known only at its end.
 pub struct Reader<R: Read = File> {
     input: R,
     linear: LinearReader,
@@ -35,10 +42,14 @@ pub struct Reader<R: Read = File> {
     /// Bytes read from the input, and the last eight of them.
     taken: u64,
     tail: [u8; 8],
+    profile: String,
     library: String,
+    description: BTreeMap<String, String>,
     records: Records,
     channels: Channels,
     gaps: Gaps,
+    marks: Marks,
+    coverage: Coverage,
     skipped: u64,
     claimed: Option<Summary>,
     data_ended: bool,
@@ -49,6 +60,8 @@ pub struct Reader<R: Read = File> {
 enum Outer {
     Header,
     Chunk,
+    /// A message outside of a chunk.
+    Step(Step),
     End,
 }
 
@@ -63,9 +76,7 @@ impl Reader {
 impl<R: Read> Reader<R> {
     /// Reads a recording from `input`, beginning with its header. `input` needs no buffer.
     pub fn new(input: R) -> Result<Self, ReadError> {
-        // Chunks are taken whole (and verified in `chunk`): the reader would also yield
-        // messages that stand outside of them, for which no checksum vouches, and chunks
-        // that name none.
+        // Chunks are taken whole: `chunk` verifies them before anything of them is used.
         let options = LinearReaderOptions::default()
             .with_emit_chunks(true)
             .with_validate_data_section_crc(true)
@@ -78,10 +89,14 @@ impl<R: Read> Reader<R> {
             offset: 0,
             taken: 0,
             tail: [0; 8],
+            profile: String::new(),
             library: String::new(),
+            description: BTreeMap::new(),
             records: Records::default(),
             channels: Channels::default(),
             gaps: Gaps::default(),
+            marks: Marks::default(),
+            coverage: Coverage::default(),
             skipped: 0,
             claimed: None,
             data_ended: false,
@@ -90,7 +105,7 @@ impl<R: Read> Reader<R> {
         reader.read_magic()?;
         match reader.advance()? {
             Outer::Header => Ok(reader),
-            Outer::Chunk | Outer::End => {
+            Outer::Chunk | Outer::Step(_) | Outer::End => {
                 let damage = Damage::Misplaced { what: "something else before the header" };
                 Err(ReadError::Damaged { offset: MAGIC.len() as u64, damage })
             }
@@ -105,6 +120,32 @@ impl<R: Read> Reader<R> {
     /// How far the file is read, bytes.
     pub fn offset(&self) -> u64 {
         self.offset
+    }
+
+    /// What its recorder wrote at the beginning: names and values.
+    pub fn description(&self) -> &BTreeMap<String, String> {
+        &self.description
+    }
+
+    /// The random number of the recording, if a [`Writer`](crate::Writer) of version 2 or later
+    /// wrote it; known once the first message is read.
+    pub fn id(&self) -> Option<u128> {
+        self.marks.last.map(|mark| mark.id)
+    }
+
+    /// The recorder's last sign of life so far.
+    pub fn heartbeat(&self) -> Option<Heartbeat> {
+        self.marks.last.map(Heartbeat::from)
+    }
+
+    /// How much of what was read checksums vouch for; final once the last message is read.
+    pub fn coverage(&self) -> Coverage {
+        self.coverage
+    }
+
+    /// Channels of others that were skipped, and their messages so far.
+    pub fn others(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.channels.others()
     }
 
     /// Messages of other channels skipped so far.
@@ -151,7 +192,7 @@ impl<R: Read> Reader<R> {
     fn advance(&mut self) -> Result<Outer, ReadError> {
         loop {
             let offset = self.offset;
-            let damaged = |damage| Err(ReadError::Damaged { offset, damage });
+            let damaged = |damage| ReadError::Damaged { offset, damage };
             let (opcode, body) = match self.linear.next_event() {
                 None => return Ok(Outer::End),
                 Some(Err(error)) => return Err(self.explain(error)),
@@ -170,49 +211,83 @@ impl<R: Read> Reader<R> {
                 }
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => (opcode, data),
             };
-            self.offset += (RECORD_HEAD + body.len()) as u64;
-            let first = offset == MAGIC.len() as u64;
+            let bytes = RECORD_HEAD + body.len();
+            self.offset += bytes as u64;
+            if offset == MAGIC.len() as u64 {
+                let what = "something else before the header";
+                let header = match opcode {
+                    op::HEADER => header(body).ok_or(Damage::Broken { what: "the header" }),
+                    _ => Err(Damage::Misplaced { what }),
+                };
+                (self.profile, self.library) = header.map_err(damaged)?;
+                return Ok(Outer::Header);
+            }
+            if let Some(mark) = Mark::parse(opcode, body).filter(|_| !self.data_ended) {
+                let taken = mark.and_then(|mark| self.take_mark(mark, offset));
+                taken.map_err(damaged)?;
+                continue;
+            }
+            self.marks.pass(opcode == op::CHUNK).map_err(damaged)?;
             match opcode {
-                op::HEADER if first => {
-                    let mut fields = Fields(body);
-                    let (Some(profile), Some(library)) = (fields.text(), fields.text()) else {
-                        return damaged(Damage::Broken { what: "the header" });
-                    };
-                    if profile != topic::PROFILE {
-                        let (found, expected) = (profile.to_owned(), topic::PROFILE);
-                        return Err(ReadError::Profile { found, expected });
-                    }
-                    self.library = library.to_owned();
-                    return Ok(Outer::Header);
+                op::HEADER => return Err(damaged(Damage::Misplaced { what: "a header" })),
+                op::CHUNK | op::MESSAGE if self.data_ended => {
+                    return Err(damaged(Damage::Misplaced { what: "messages in the index" }));
                 }
-                _ if first => {
-                    let what = "something else before the header";
-                    return damaged(Damage::Misplaced { what });
-                }
-                op::HEADER => return damaged(Damage::Misplaced { what: "a header" }),
-                op::MESSAGE => {
-                    let what = "a message outside of a chunk";
-                    return damaged(Damage::Misplaced { what });
-                }
-                op::CHUNK if self.data_ended => {
-                    let what = "a chunk in the summary";
-                    return damaged(Damage::Misplaced { what });
+                op::MESSAGE if self.marks.last.is_some() => {
+                    return Err(damaged(Damage::Misplaced {
+                        what: "a message outside of a chunk",
+                    }));
                 }
                 op::CHUNK => {
-                    let (begin, records) = match chunk::verify(body) {
-                        Ok(verified) => verified,
-                        Err(damage) => return damaged(damage),
-                    };
-                    self.records.fill(records, offset + (RECORD_HEAD + begin) as u64);
+                    let chunk = Chunk::parse(body).map_err(damaged)?;
+                    let checked = chunk.has_checksum();
+                    if !checked && self.marks.last.is_some() {
+                        return Err(damaged(Damage::NoChecksum));
+                    }
+                    let at = offset + RECORD_HEAD as u64;
+                    self.records.fill(&chunk, at).map_err(damaged)?;
+                    self.coverage.add(bytes, checked);
                     return Ok(Outer::Chunk);
+                }
+                op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.data_ended => {
+                    let step = self.channels.take(opcode, body, offset)?;
+                    if opcode == op::MESSAGE {
+                        self.coverage.add(bytes, false);
+                        return Ok(Outer::Step(step));
+                    }
                 }
                 op::METADATA if !self.data_ended => {
                     self.claimed = Summary::parse(body).or(self.claimed);
+                    if let Some(description) = summary::description(body) {
+                        self.description = description.map_err(damaged)?;
+                    }
                 }
-                op::DATA_END => self.data_ended = true,
+                op::DATA_END => {
+                    self.data_ended = true;
+                    // A checksum over all; the format reader has compared it.
+                    if Fields(body).u32().is_some_and(|checksum| checksum != 0) {
+                        self.coverage.checked = self.coverage.bytes;
+                    }
+                }
                 _ => {}
             }
         }
+    }
+
+    fn take_mark(&mut self, mark: Mark, offset: u64) -> Result<(), Damage> {
+        let is_first = self.marks.last.is_none();
+        self.marks.take(mark, offset)?;
+        if is_first {
+            self.gaps.begin(mark.sequence);
+            return Ok(());
+        }
+        let sequence = mark.sequence as u32;
+        if self.gaps.is_past(sequence) {
+            let (read, found) = (self.gaps.next_near(mark.sequence), mark.sequence);
+            return Err(Damage::Count { read, found });
+        }
+        self.gaps.up_to(sequence);
+        Ok(())
     }
 
     /// An error of the format reader as one of ours.
@@ -238,21 +313,51 @@ impl<R: Read> Reader<R> {
 
     fn try_next(&mut self) -> Result<Option<Record>, ReadError> {
         loop {
-            while let Some(step) = self.records.next(&mut self.channels) {
-                match step? {
-                    Step::Record(record) => {
-                        self.gaps.before(record.sequence);
-                        return Ok(Some(*record));
-                    }
-                    Step::Skipped => self.skipped += 1,
-                    Step::Other => {}
+            let step = match self.records.next(&mut self.channels) {
+                Some(step) => step?,
+                None => match self.advance()? {
+                    Outer::Step(step) => step,
+                    Outer::Header | Outer::Chunk => continue,
+                    Outer::End => return self.check_end().map(|()| None),
+                },
+            };
+            match step {
+                Step::Record(record) => {
+                    self.gaps.before(record.sequence);
+                    return Ok(Some(*record));
                 }
-            }
-            if let Outer::End = self.advance()? {
-                return Ok(None);
+                Step::Skipped => self.skipped += 1,
+                Step::Other => {}
             }
         }
     }
+
+    /// A whole file that is not of a planner is no recording.
+    fn check_end(&self) -> Result<(), ReadError> {
+        if self.profile == topic::PROFILE || self.channels.has_ours() {
+            return Ok(());
+        }
+        let mut holds: Vec<_> = self
+            .others()
+            .take(MOST_NAMED)
+            .map(|(topic, messages)| format!("{messages} messages of {topic}"))
+            .collect();
+        match self.others().count() {
+            0 => holds.push("no messages".to_owned()),
+            all if all > MOST_NAMED => holds.push(format!("{} more channels", all - MOST_NAMED)),
+            _ => {}
+        }
+        Err(ReadError::NotPlanning { profile: self.profile.clone(), holds: holds.join(", ") })
+    }
+}
+
+/// Channels of others that an error names.
+const MOST_NAMED: usize = 5;
+
+/// Profile and library.
+fn header(body: &[u8]) -> Option<(String, String)> {
+    let mut fields = Fields(body);
+    Some((fields.text()?.to_owned(), fields.text()?.to_owned()))
 }
 
 impl<R: Read> Iterator for Reader<R> {

@@ -2,6 +2,8 @@
 
 use schemas::message::{ReplyPart, Request};
 
+use crate::mark::Mark;
+
 /// A recorded message.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "moved once, from the reader to its caller")]
@@ -23,4 +25,25 @@ pub struct Record {
     pub publish_ns: u64,
     /// Counts the bus's messages, those that the recorder missed included; wraps around.
     pub sequence: u32,
+}
+
+/// A recorder's sign of life, in the recording at each flush.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Heartbeat {
+    /// When; nanoseconds since the Unix epoch.
+    pub time_ns: u64,
+    /// Messages recorded or lost until then.
+    pub sequence: u64,
+    /// Messages that the planner had sent until then, as far as the recorder knew: those beyond
+    /// `sequence` are not in a file that ends here.
+    pub announced: u64,
+    /// Messages in the file until then.
+    pub recorded: u64,
+}
+
+impl From<Mark> for Heartbeat {
+    fn from(mark: Mark) -> Self {
+        let Mark { id: _, number: _, offset: _, time_ns, sequence, announced, recorded } = mark;
+        Self { time_ns, sequence, announced, recorded }
+    }
 }

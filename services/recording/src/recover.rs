@@ -1,34 +1,61 @@
-//! Recovering the intact messages of a damaged file.
+//! Recovering what can be vouched for of a damaged file.
 
+use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{Read, Seek, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use mcap::records::op;
 use thiserror::Error;
 
-use crate::chunk::{self, Channels, Gaps, Records, Step};
+use crate::channels::{Channels, Step};
+use crate::chunk::{Chunk, Records};
+use crate::coverage::Coverage;
 use crate::error::ReadError;
 use crate::fields::RECORD_HEAD;
 use crate::format::MOST_RECORD_BYTES;
-use crate::read::{Reader, retry};
-use crate::record::Message;
+use crate::gaps::Gaps;
+use crate::options::Options;
+use crate::parts::{self, Dropped, Part, Parts};
+use crate::read::Reader;
+use crate::record::{Heartbeat, Message, Record};
+use crate::source::Source;
 use crate::summary::Summary;
-use crate::write::{Options, WriteError, Writer};
+use crate::write::{WriteError, Writer};
+
+/// Key in the description of a recovered recording that holds messages for which no checksum
+/// vouches: how many parts of the old file they are from.
+const UNVERIFIED_KEY: &str = "unverified_parts";
 
 /// What [`recover`] found.
 #[derive(Debug)]
 pub struct Recovered {
-    /// The new file's summary. `lost` counts the messages missing before and between those
-    /// recovered; how many a cut file lost at its end is unknown.
+    /// The new file's summary. `lost` counts the messages missing before, between and, as far as
+    /// the old file tells, after those recovered.
     pub summary: Summary,
     /// Messages that could not be decoded, or whose channel's description is damaged.
     pub unreadable: u64,
+    /// Messages for which no checksum vouches.
+    pub unverified: u64,
     /// Messages of other channels, which were not copied.
     pub skipped: u64,
+    /// Parts of the old file that were not used, or only because they were asked for.
+    pub dropped: Vec<Dropped>,
     /// What was wrong with the old file, if anything.
     pub reason: Option<ReadError>,
+    /// The recorder's last sign of life.
+    pub heartbeat: Option<Heartbeat>,
+}
+
+impl Recovered {
+    /// Whether anything is known to be missing or not verified.
+    pub fn is_incomplete(&self) -> bool {
+        self.summary.lost > 0
+            || self.unreadable > 0
+            || self.unverified > 0
+            || !self.dropped.is_empty()
+    }
 }
 
 /// Why nothing was recovered.
@@ -59,167 +86,211 @@ pub enum RecoverError {
     Write(#[from] WriteError),
 }
 
-/// Copies all intact messages of the cut or damaged recording `from` into a new, finished
-/// recording `to`, in the newest version.
+/// Copies all messages of the cut or damaged recording `from` that a checksum vouches for into a
+/// new, finished recording `to`, in the newest version, in the order in which they were recorded.
 ///
-/// A chunk is intact if its checksum is right, wherever it is in the file; damage between
-/// two chunks is skipped. Nothing is taken from a damaged or cut chunk, as nothing vouches
-/// for its messages.
-pub fn recover(from: &Path, to: &Path, options: Options) -> Result<Recovered, RecoverError> {
+/// Nothing is taken from a damaged or cut chunk, unless `unverified` asks for what can be decoded;
+/// the new file's description says so.
+pub fn recover(
+    from: &Path,
+    to: &Path,
+    unverified: bool,
+    options: Options,
+) -> Result<Recovered, RecoverError> {
     let failed = |source| RecoverError::Read { path: from.to_owned(), source };
-    let (reason, claimed) = match Reader::open(from) {
-        Ok(mut reader) => {
-            let reason = reader.by_ref().find_map(Result::err);
-            (reason, reader.summary())
-        }
-        Err(error @ ReadError::Io { .. }) => return Err(failed(error)),
-        Err(error) => (Some(error), None),
-    };
-    if let Some(error @ ReadError::Io { .. }) = reason {
-        return Err(failed(error));
-    }
     let io = |source| failed(ReadError::Io { offset: 0, source });
     let input = File::open(from).map_err(io)?;
     let old = input.metadata().map_err(io)?;
     if std::fs::metadata(to).is_ok_and(|new| (new.dev(), new.ino()) == (old.dev(), old.ino())) {
         return Err(RecoverError::SameFile { path: to.to_owned() });
     }
-
-    let mut writer = None;
-    let found = salvage(input, &mut writer, || Writer::create(to, options));
-    let mut found = match found {
-        Err(Trouble::Read(source)) => return Err(failed(source)),
-        Err(Trouble::Write(error)) => return Err(error.into()),
-        Ok(found) => found,
-    };
-    let Some(mut writer) = writer else {
-        return Err(RecoverError::Nothing { path: from.to_owned() });
-    };
-    // Losses after the last message have left no other trace.
-    let claimed = claimed.map_or(0, |summary| summary.lost);
-    writer.lost(claimed.saturating_sub(writer.summary().lost));
-    found.summary = writer.finish()?;
-    Ok(Recovered { reason, ..found })
+    let create = |options| Writer::create(to, options);
+    match salvage(input, unverified, options, create) {
+        Err(Problem::Read(source)) => Err(failed(source)),
+        Err(Problem::Write(error)) => Err(error.into()),
+        Ok(None) => Err(RecoverError::Nothing { path: from.to_owned() }),
+        Ok(Some(recovered)) => Ok(recovered),
+    }
 }
 
-enum Trouble {
+#[derive(Debug)]
+pub(crate) enum Problem {
     Read(ReadError),
     Write(WriteError),
 }
 
-/// Copies the messages of all whole chunks of `input` into a writer that is created when
-/// the first chunk is found.
-fn salvage<W: io::Write>(
-    input: impl Read,
-    writer: &mut Option<Writer<W>>,
-    create: impl Fn() -> Result<Writer<W>, WriteError>,
-) -> Result<Recovered, Trouble> {
-    let mut window = Window { input, bytes: Vec::new(), start: 0 };
-    let (mut records, mut channels) = (Records::default(), Channels::default());
-    let mut gaps = Gaps::default();
-    let (mut unreadable, mut skipped) = (0, 0);
-    let mut at = 0;
-    while let Some(chunk) = window.find_chunk(&mut at).map_err(Trouble::Read)? {
-        let Ok((begin, inside)) = chunk::verify(&chunk[RECORD_HEAD..]) else {
-            at += 1;
-            continue;
-        };
-        records.fill(inside, at + (RECORD_HEAD + begin) as u64);
-        at += chunk.len() as u64;
-        while let Some(step) = records.next(&mut channels) {
-            let record = match step {
-                Ok(Step::Record(record)) => record,
-                Ok(Step::Skipped) => {
-                    skipped += 1;
-                    continue;
-                }
-                Ok(Step::Other) => continue,
-                Err(_) => {
-                    unreadable += 1;
-                    continue;
-                }
-            };
-            let writer = match writer {
-                Some(writer) => writer,
-                None => writer.insert(create().map_err(Trouble::Write)?),
-            };
-            writer.lost(gaps.before(record.sequence));
-            let written = match &record.message {
-                Message::Request(request) => writer.write_request(request, record.log_ns),
-                Message::Reply(part) => writer.write_reply(part, record.log_ns),
-            };
-            written.map_err(Trouble::Write)?;
+impl From<ReadError> for Problem {
+    fn from(error: ReadError) -> Self {
+        Self::Read(error)
+    }
+}
+
+impl From<WriteError> for Problem {
+    fn from(error: WriteError) -> Self {
+        Self::Write(error)
+    }
+}
+
+/// What a reader makes of a file.
+struct Survey {
+    reason: Option<ReadError>,
+    claimed: Option<Summary>,
+    description: BTreeMap<String, String>,
+    coverage: Coverage,
+}
+
+fn survey(input: impl Read) -> Result<Survey, ReadError> {
+    let mut survey = Survey {
+        reason: None,
+        claimed: None,
+        description: BTreeMap::new(),
+        coverage: Coverage::default(),
+    };
+    match Reader::new(input) {
+        Ok(mut reader) => {
+            survey.reason = reader.by_ref().find_map(Result::err);
+            survey.claimed = reader.summary();
+            survey.description = reader.description().clone();
+            survey.coverage = reader.coverage();
+        }
+        Err(error) => survey.reason = Some(error),
+    }
+    match survey.reason {
+        Some(error @ (ReadError::Io { .. } | ReadError::NotPlanning { .. })) => Err(error),
+        _ => Ok(survey),
+    }
+}
+
+/// Copies what can be had of `input` into the recording that `create` makes if there is anything.
+pub(crate) fn salvage<R: Read + Seek, W: Write>(
+    mut input: R,
+    unverified: bool,
+    options: Options,
+    create: impl FnOnce(Options) -> Result<Writer<W>, WriteError>,
+) -> Result<Option<Recovered>, Problem> {
+    let survey = survey(&mut input)?;
+    let mut source = Source::new(input)?;
+    let mut found = parts::find(&mut source, unverified)?;
+    if survey.reason.is_none() && survey.coverage.is_whole() {
+        // The checksum over the whole file vouches for what has none of its own.
+        found.parts.iter_mut().for_each(|part| part.is_checked = true);
+        found.dropped.clear();
+    }
+    let guessed = found.parts.iter().filter(|part| !part.is_checked).count();
+    let mut description = survey.description;
+    description.remove("id");
+    description.extend(options.description.clone());
+    if unverified && guessed > 0 {
+        description.insert(UNVERIFIED_KEY.to_owned(), guessed.to_string());
+    }
+    let first = found.marks.map_or(0, |(first, _)| first.sequence);
+    let options = Options { description, first, ..options };
+    let mut copy = Copy::new(&found, first);
+    let mut make = Some(|| create(options));
+    let mut writer = None;
+    for part in &found.parts {
+        if part.is_checked || unverified {
+            copy.part(part, &mut source, &mut writer, &mut make)?;
         }
     }
-    Ok(Recovered { summary: Summary::default(), unreadable, skipped, reason: None })
+    let Some(mut writer) = writer else { return Ok(None) };
+    if let Some((_, last)) = found.marks {
+        writer.lost(copy.gaps.up_to(last.sequence as u32));
+    }
+    // Losses after the last message have left no other trace in files without marks.
+    let claimed = survey.claimed.map_or(0, |summary| summary.lost);
+    writer.lost(claimed.saturating_sub(writer.summary().lost));
+    let Copy { unreadable, unverified, skipped, .. } = copy;
+    Ok(Some(Recovered {
+        summary: writer.finish()?,
+        unreadable,
+        unverified,
+        skipped,
+        heartbeat: found.marks.map(|(_, last)| last.into()),
+        dropped: found.dropped,
+        reason: survey.reason,
+    }))
 }
 
-/// Whether anything of `input` could be saved to `output`.
-#[cfg(test)]
-pub(crate) fn salvage_into<W: io::Write>(input: impl Read, output: W) -> bool {
-    let (mut writer, output) = (None, std::cell::Cell::new(Some(output)));
-    let create = || Writer::new(output.take().expect("one file is made"));
-    assert!(salvage(input, &mut writer, create).is_ok());
-    writer.is_some_and(|writer| writer.finish().is_ok())
+/// Copies messages.
+struct Copy {
+    channels: Channels,
+    records: Records,
+    gaps: Gaps,
+    unreadable: u64,
+    unverified: u64,
+    skipped: u64,
 }
 
-/// A piece of a file that moves forward through it.
-struct Window<R> {
-    input: R,
-    bytes: Vec<u8>,
-    /// Where in the file `bytes` begin.
-    start: u64,
-}
+impl Copy {
+    fn new(found: &Parts, first: u64) -> Self {
+        let mut channels = Channels::default();
+        for (opcode, body) in &found.definitions {
+            // What is wrong with them shows at the messages.
+            let _ = channels.take(*opcode, body, 0);
+        }
+        let mut gaps = Gaps::default();
+        gaps.begin(first);
+        let records = Records::default();
+        Self { channels, records, gaps, unreadable: 0, unverified: 0, skipped: 0 }
+    }
 
-/// A chunk's record up to its data, uncompressed.
-const CHUNK_HEAD: usize = RECORD_HEAD + 40;
-
-impl<R: Read> Window<R> {
-    /// `count` bytes from `at` on, unless the file ends before.
-    fn get(&mut self, at: u64, count: usize) -> Result<Option<&[u8]>, ReadError> {
-        let mut from = (at - self.start) as usize;
-        while self.bytes.len() < from + count {
-            // In long strides, as all that is left moves to the front.
-            if from > 1 << 20 {
-                self.bytes.drain(..from);
-                (self.start, from) = (at, 0);
-            }
-            let filled = self.bytes.len();
-            self.bytes.resize(filled + (256 << 10), 0);
-            let read = retry(|| self.input.read(&mut self.bytes[filled..]));
-            self.bytes.truncate(filled + *read.as_ref().unwrap_or(&0));
-            let offset = self.start + filled as u64;
-            if read.map_err(|source| ReadError::Io { offset, source })? == 0 {
-                return Ok(None);
+    fn part<R: Read + Seek, W: Write>(
+        &mut self,
+        part: &Part,
+        source: &mut Source<R>,
+        writer: &mut Option<Writer<W>>,
+        make: &mut Option<impl FnOnce() -> Result<Writer<W>, WriteError>>,
+    ) -> Result<(), Problem> {
+        let Some((opcode, _)) = source.head(part.offset)? else { return Ok(()) };
+        let Some(body) = source.body(part.offset, MOST_RECORD_BYTES)? else { return Ok(()) };
+        let mut message = None;
+        match opcode {
+            op::MESSAGE => message = Some(self.channels.take(opcode, body, part.offset)),
+            _ => {
+                let Ok(chunk) = Chunk::parse(body) else { return Ok(()) };
+                let filled = self.records.fill(&chunk, part.offset + RECORD_HEAD as u64);
+                if filled.is_err() && part.is_checked {
+                    return Ok(());
+                }
             }
         }
-        Ok(Some(&self.bytes[from..from + count]))
-    }
-
-    /// The next record from `at` on that looks like a chunk of ours; `at` moves to it.
-    fn find_chunk(&mut self, at: &mut u64) -> Result<Option<&[u8]>, ReadError> {
-        let length = loop {
-            let Some(head) = self.get(*at, CHUNK_HEAD)? else { return Ok(None) };
-            if let Some(length) = chunk_length(head)
-                && self.get(*at, length)?.is_some()
-            {
-                break length;
+        loop {
+            let step = match message.take() {
+                Some(step) => step,
+                None if opcode == op::MESSAGE => return Ok(()),
+                None => match self.records.next(&mut self.channels) {
+                    Some(step) => step,
+                    None => return Ok(()),
+                },
+            };
+            match step {
+                Ok(Step::Record(record)) if self.fits(part, &record) => {
+                    let writer = match (&mut *writer, make.take()) {
+                        (Some(writer), _) => writer,
+                        (none, Some(make)) => none.insert(make()?),
+                        (None, None) => unreachable!("it is made once"),
+                    };
+                    self.unverified += u64::from(!part.is_checked);
+                    writer.lost(self.gaps.before(record.sequence));
+                    match &record.message {
+                        Message::Request(request) => {
+                            writer.write_request(request, record.log_ns)?;
+                        }
+                        Message::Reply(reply) => writer.write_reply(reply, record.log_ns)?,
+                    }
+                }
+                Ok(Step::Skipped) => self.skipped += 1,
+                Ok(Step::Other) => {}
+                Ok(Step::Record(_)) | Err(_) => self.unreadable += 1,
             }
-            *at += 1;
-        };
-        self.get(*at, length)
+        }
     }
-}
 
-/// How long the record is that begins with `head`, if it looks like a chunk of ours: not
-/// compressed, its three lengths in agreement.
-fn chunk_length(head: &[u8]) -> Option<usize> {
-    let number = |at: usize| u64::from_le_bytes(head[at..at + 8].try_into().expect("8 bytes"));
-    if head[0] != op::CHUNK || head[RECORD_HEAD + 28..RECORD_HEAD + 32] != [0; 4] {
-        return None;
+    /// Whether a message of a damaged chunk has a number that the marks allow.
+    fn fits(&self, part: &Part, record: &Record) -> bool {
+        let Some((from, to)) = part.sequences.filter(|_| !part.is_checked) else { return true };
+        let place = u64::from(record.sequence.wrapping_sub(from as u32));
+        place < to - from && !self.gaps.is_past(record.sequence)
     }
-    let (record, uncompressed, compressed) = (number(1), number(25), number(41));
-    let agree = uncompressed == compressed && record.checked_sub(40) == Some(compressed);
-    let length = usize::try_from(record).ok().filter(|length| *length <= MOST_RECORD_BYTES)?;
-    agree.then_some(RECORD_HEAD + length)
 }

@@ -1,10 +1,18 @@
-//! What a recording says about itself at its end.
+//! What a recording says about itself, at its beginning and at its end.
 
 use std::collections::BTreeMap;
 
+use crate::error::Damage;
 use crate::fields::Fields;
 
-/// Name of the metadata record that holds it.
+/// Name of the metadata record at the beginning.
+pub(crate) const DESCRIPTION_NAME: &str = "clearway.description";
+
+/// The description's checksum among its values, eight hexadecimal digits: in a file that was not
+/// finished no other covers it.
+const CHECKSUM_KEY: &str = "checksum";
+
+/// Name of the metadata record at the end.
 pub(crate) const SUMMARY_NAME: &str = "clearway.recording";
 
 /// What a recording says about itself at its end.
@@ -45,4 +53,46 @@ impl Summary {
             .map(|(name, value)| (name.to_owned(), value.to_string()))
             .into()
     }
+}
+
+/// What is written at the beginning of a recording.
+pub(crate) fn with_checksum(mut description: BTreeMap<String, String>) -> BTreeMap<String, String> {
+    let checksum = format!("{:08x}", checksum(&description));
+    description.insert(CHECKSUM_KEY.to_owned(), checksum);
+    description
+}
+
+/// The description in the body of a metadata record, if it holds one.
+pub(crate) fn description(body: &[u8]) -> Option<Result<BTreeMap<String, String>, Damage>> {
+    let mut fields = Fields(body);
+    if fields.text()? != DESCRIPTION_NAME {
+        return None;
+    }
+    let mut pairs = || {
+        let mut pairs = Fields(fields.block()?);
+        let mut description = BTreeMap::new();
+        while !pairs.0.is_empty() {
+            description.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
+        }
+        let saved = u32::from_str_radix(&description.remove(CHECKSUM_KEY)?, 16).ok()?;
+        Some((saved, description))
+    };
+    let Some((saved, description)) = pairs() else {
+        return Some(Err(Damage::Broken { what: "the description" }));
+    };
+    let calculated = checksum(&description);
+    Some(if saved == calculated {
+        Ok(description)
+    } else {
+        Err(Damage::Checksum { of: "the description", saved, calculated })
+    })
+}
+
+fn checksum(description: &BTreeMap<String, String>) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    for text in description.iter().flat_map(|(name, value)| [name, value]) {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
+    }
+    hasher.finalize()
 }

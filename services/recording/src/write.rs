@@ -1,10 +1,10 @@
 //! Writing recordings.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use mcap::McapError;
 use mcap::records::{MessageHeader, Metadata};
@@ -13,15 +13,11 @@ use schemas::message::{ReplyPart, Request};
 use schemas::{codec, topic};
 use thiserror::Error;
 
-use crate::format::{CHUNK_BYTES, MOST_MESSAGE_BYTES, Topic, VERSION_KEY};
-use crate::summary::{SUMMARY_NAME, Summary};
-
-/// How a recording is created.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Options {
-    /// Whether an existing file is replaced.
-    pub overwrite: bool,
-}
+use crate::file::{NewFile, Trouble};
+use crate::format::{MESSAGE_HEAD, MOST_MESSAGE_BYTES, Topic, VERSION_KEY};
+use crate::mark::{self, Mark};
+use crate::options::{Compression, Options};
+use crate::summary::{self, DESCRIPTION_NAME, SUMMARY_NAME, Summary};
 
 /// Why a recording can't be written.
 #[derive(Debug, Clone, Error)]
@@ -31,6 +27,30 @@ pub enum WriteError {
     Exists {
         /// The file.
         path: PathBuf,
+    },
+    /// Another recorder is writing it.
+    #[error("another program is recording to {}", path.display())]
+    Locked {
+        /// The unfinished file.
+        path: PathBuf,
+    },
+    /// A recorder that was killed has left it unfinished.
+    #[error(
+        "{} is left of a recording that was not finished: `replay recover` finishes it, --overwrite \
+         replaces it",
+        path.display()
+    )]
+    Unfinished {
+        /// The unfinished file.
+        path: PathBuf,
+    },
+    /// The file is no longer what was written. This is final.
+    #[error("{}: {trouble}; what was recorded since is lost", path.display())]
+    File {
+        /// The unfinished file.
+        path: PathBuf,
+        /// What happened to it.
+        trouble: Trouble,
     },
     /// The file can't be created.
     #[error("can't create {}: {source}", path.display())]
@@ -60,11 +80,20 @@ pub enum WriteError {
 
 impl From<McapError> for WriteError {
     fn from(error: McapError) -> Self {
-        let source = match error {
-            McapError::Io(source) => source,
-            other => io::Error::other(other),
-        };
-        Self::Output { source: Arc::new(source) }
+        match error {
+            McapError::Io(source) => source.into(),
+            other => io::Error::other(other).into(),
+        }
+    }
+}
+
+impl From<io::Error> for WriteError {
+    fn from(source: io::Error) -> Self {
+        // What the file noticed itself.
+        match source.downcast::<Self>() {
+            Ok(error) => error,
+            Err(source) => Self::Output { source: Arc::new(source) },
+        }
     }
 }
 
@@ -75,15 +104,33 @@ impl From<McapError> for WriteError {
 /// [`finish`](Self::finish) ends the file; dropping the writer does too, but without
 /// [`Summary`] and without reporting errors.
 ///
+/// A file is `NAME.part` until it is finished, locked against other recorders, and watched: one
+/// that is removed, moved or cut meanwhile is an error.
+///
 /// An output error is final for the file: all later calls return it again.
 ///
-/// Memory: the open chunk ([`CHUNK_BYTES`] and one message), the largest message encoded,
+/// Memory: the open chunk ([`Options::chunk_bytes`] and one message), the largest message encoded,
 /// and some 400 bytes for each chunk so far, as the index is written at the end.
-pub struct Writer<W: Write = BufWriter<File>> {
+pub struct Writer<W: Write = NewFile> {
     state: State<W>,
+    /// What ends the output itself.
+    end: fn(W) -> Result<(), WriteError>,
     channels: [u16; 2],
     /// The message being encoded.
     bytes: Vec<u8>,
+    /// Bytes of the open chunk, and of the largest that is not closed.
+    chunk: u64,
+    chunk_bytes: u64,
+    /// Bytes that left the format writer.
+    written: Arc<AtomicU64>,
+    /// The last mark.
+    mark: Mark,
+    /// Whether it says nothing new that nothing was written since.
+    is_marked: bool,
+    /// The last time known; nanoseconds since the Unix epoch.
+    time_ns: u64,
+    /// Messages that the planner has sent and that have not come here.
+    waiting: u64,
     /// Messages on the bus so far, lost ones included.
     sequence: u64,
     /// Whether the message before was lost.
@@ -92,7 +139,7 @@ pub struct Writer<W: Write = BufWriter<File>> {
 }
 
 enum State<W: Write> {
-    Open(Box<mcap::Writer<NoSeek<W>>>),
+    Open(Box<mcap::Writer<NoSeek<Counted<W>>>>),
     Failed(WriteError),
 }
 
@@ -100,38 +147,62 @@ impl Writer {
     /// Creates the file at `path`, with its channels and no messages. An existing file is
     /// left alone unless `options` say otherwise.
     pub fn create(path: impl AsRef<Path>, options: Options) -> Result<Self, WriteError> {
-        let path = path.as_ref();
-        let mut open = OpenOptions::new();
-        open.write(true);
-        if options.overwrite {
-            open.create(true).truncate(true);
-        } else {
-            open.create_new(true);
-        }
-        let file = open.open(path).map_err(|error| {
-            let path = path.to_owned();
-            if error.kind() == io::ErrorKind::AlreadyExists {
-                WriteError::Exists { path }
-            } else {
-                WriteError::Create { path, source: Arc::new(error) }
-            }
-        })?;
-        Self::new(BufWriter::with_capacity(64 << 10, file))
+        let file = NewFile::create(path.as_ref(), options.overwrite, options.sync)?;
+        let unfinished = file.part().to_owned();
+        let mut writer = Self::begin(file, options, NewFile::commit)?;
+        // A file without a beginning would be left; an empty recording is one.
+        writer.flush().inspect_err(|_| drop(std::fs::remove_file(unfinished)))?;
+        Ok(writer)
     }
 }
 
 impl<W: Write> Writer<W> {
     /// Begins a recording on `output`.
-    pub fn new(output: W) -> Result<Self, WriteError> {
+    pub fn new(output: W, options: Options) -> Result<Self, WriteError> {
+        Self::begin(output, options, |mut output| Ok(output.flush()?))
+    }
+
+    fn begin(
+        output: W,
+        options: Options,
+        end: fn(W) -> Result<(), WriteError>,
+    ) -> Result<Self, WriteError> {
+        let Options { overwrite: _, compression, chunk_bytes, sync: _, description, first, id } =
+            options;
+        let id = match id {
+            Some(id) => id,
+            None => random().map_err(|error| io::Error::other(error.to_string()))?,
+        };
+        let written = Arc::new(AtomicU64::new(0));
+        let output = Counted { output, written: Arc::clone(&written) };
         let mut writer = mcap::WriteOptions::new()
             .profile(topic::PROFILE)
             .library(concat!("clearway recording ", env!("CARGO_PKG_VERSION")))
-            .compression(None)
-            .chunk_size(Some(CHUNK_BYTES))
-            // Chunks are put together in memory and written whole: the file never holds
+            .compression(compression.method())
+            .compression_level(u32::from(compression == Compression::Zstd))
+            .compression_threads(0)
+            // Chunks are closed here, each behind a mark.
+            .chunk_size(None)
+            // They are put together in memory and written whole: the file never holds
             // the placeholder lengths of an open chunk.
             .disable_seeking(true)
             .create(NoSeek::new(output))?;
+        let mut description = description;
+        description.insert("id".to_owned(), format!("{id:032x}"));
+        writer.write_metadata(&Metadata {
+            name: DESCRIPTION_NAME.into(),
+            metadata: summary::with_checksum(description),
+        })?;
+        let mark = Mark {
+            id,
+            number: 0,
+            offset: written.load(Ordering::Relaxed),
+            time_ns: 0,
+            sequence: first,
+            announced: first,
+            recorded: 0,
+        };
+        writer.write_private_record(mark::OPCODE, &mark.to_bytes(), Default::default())?;
         let mut channels = [0; 2];
         let version = BTreeMap::from([(VERSION_KEY.to_owned(), codec::VERSION.to_string())]);
         for (topic, channel) in Topic::ALL.into_iter().zip(&mut channels) {
@@ -139,16 +210,25 @@ impl<W: Write> Writer<W> {
             let schema = writer.add_schema(topic.schema_name(), topic::ENCODING, data)?;
             *channel = writer.add_channel(schema, topic.name(), topic::ENCODING, &version)?;
         }
-        // In a chunk of their own: damage to messages does not take them along.
-        writer.flush()?;
-        Ok(Self {
+        let mut writer = Self {
             state: State::Open(Box::new(writer)),
+            end,
             channels,
             bytes: Vec::new(),
-            sequence: 0,
+            chunk: 0,
+            chunk_bytes,
+            written,
+            mark,
+            is_marked: false,
+            time_ns: 0,
+            waiting: 0,
+            sequence: first,
             in_gap: false,
             summary: Summary::default(),
-        })
+        };
+        // In a chunk of their own: damage to messages does not take them along.
+        writer.flush()?;
+        Ok(writer)
     }
 
     /// Appends a request that the recorder took at `log_ns`, nanoseconds since the Unix
@@ -173,6 +253,9 @@ impl<W: Write> Writer<W> {
             self.lost(1);
             return Err(WriteError::TooLarge { bytes, most: MOST_MESSAGE_BYTES });
         }
+        if self.chunk >= self.chunk_bytes {
+            self.mark()?;
+        }
         let header = MessageHeader {
             channel_id: self.channels[topic as usize],
             // MCAP has 32 bits for it: it wraps around.
@@ -182,10 +265,55 @@ impl<W: Write> Writer<W> {
         };
         let message = &self.bytes;
         self.state.run(|writer| writer.write_to_known_channel(&header, message))?;
+        self.chunk += (MESSAGE_HEAD + bytes) as u64;
+        self.time_ns = log_ns;
+        self.is_marked = false;
         self.sequence += 1;
         self.summary.recorded += 1;
         self.in_gap = false;
         Ok(())
+    }
+
+    /// Closes the chunk and writes the mark behind it, which says how far the recording is.
+    fn mark(&mut self) -> Result<(), WriteError> {
+        if self.is_marked {
+            return Ok(());
+        }
+        let written = Arc::clone(&self.written);
+        let before = self.mark;
+        let mut mark = Mark {
+            id: before.id,
+            number: before.number + 1,
+            offset: 0,
+            time_ns: self.time_ns,
+            sequence: self.sequence,
+            announced: self.sequence.saturating_add(self.waiting),
+            recorded: self.summary.recorded,
+        };
+        self.state.run(|writer| {
+            writer.flush()?;
+            mark.offset = written.load(Ordering::Relaxed);
+            writer.write_private_record(mark::OPCODE, &mark.to_bytes(), Default::default())
+        })?;
+        (self.mark, self.is_marked, self.chunk) = (mark, true, 0);
+        Ok(())
+    }
+
+    /// Notes how many messages the planner has sent by `time_ns` (nanoseconds since the Unix
+    /// epoch) that have not come here yet. The next flush writes it into the file, even if nothing
+    /// else is new.
+    pub fn heartbeat(&mut self, time_ns: u64, waiting: u64) {
+        (self.time_ns, self.waiting, self.is_marked) = (time_ns, waiting, false);
+    }
+
+    /// Bytes of the file so far, without the open chunk.
+    pub fn written(&self) -> u64 {
+        self.written.load(Ordering::Relaxed)
+    }
+
+    /// The number of the next message.
+    pub fn sequence(&self) -> u64 {
+        self.sequence
     }
 
     /// Notes that `count` messages are missing here. The next message's `sequence` skips
@@ -195,6 +323,7 @@ impl<W: Write> Writer<W> {
             self.sequence += count;
             self.summary.lost += count;
             self.summary.gaps += u64::from(!self.in_gap);
+            self.is_marked = false;
             self.in_gap = true;
         }
     }
@@ -205,14 +334,17 @@ impl<W: Write> Writer<W> {
     }
 
     /// Closes the chunk and hands everything written so far to the operating system, where
-    /// it outlives this process (but not a power cut). Without new messages, writes nothing.
+    /// it outlives this process (a power cut only with [`Options::sync`]). Without anything new,
+    /// writes nothing.
     pub fn flush(&mut self) -> Result<(), WriteError> {
+        self.mark()?;
         self.state.run(|writer| writer.flush())
     }
 
     /// Writes the summary and the index, and ends the file.
     pub fn finish(mut self) -> Result<Summary, WriteError> {
         let summary = self.summary;
+        self.mark()?;
         self.state.run(|writer| {
             writer.write_metadata(&Metadata {
                 name: SUMMARY_NAME.into(),
@@ -221,9 +353,33 @@ impl<W: Write> Writer<W> {
             writer.finish().map(drop)
         })?;
         let State::Open(writer) = self.state else { unreachable!("a failure returned above") };
-        let flushed = writer.into_inner().into_inner().flush();
-        flushed.map_err(|source| WriteError::Output { source: Arc::new(source) })?;
+        (self.end)(writer.into_inner().into_inner().output)?;
         Ok(summary)
+    }
+}
+
+/// A random number.
+fn random() -> Result<u128, getrandom::Error> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes)?;
+    Ok(u128::from_le_bytes(bytes))
+}
+
+/// Counts what goes through it.
+struct Counted<W> {
+    output: W,
+    written: Arc<AtomicU64>,
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = self.output.write(bytes)?;
+        self.written.fetch_add(taken as u64, Ordering::Relaxed);
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.output.flush()
     }
 }
 
@@ -234,7 +390,7 @@ impl<W: Write> State<W> {
     /// its drop would go on writing: it is taken apart instead.
     fn run(
         &mut self,
-        operation: impl FnOnce(&mut mcap::Writer<NoSeek<W>>) -> Result<(), McapError>,
+        operation: impl FnOnce(&mut mcap::Writer<NoSeek<Counted<W>>>) -> Result<(), McapError>,
     ) -> Result<(), WriteError> {
         match self {
             Self::Failed(error) => Err(error.clone()),

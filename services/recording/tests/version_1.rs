@@ -66,7 +66,7 @@ fn a_recovered_recording_of_version_1_holds_the_same_messages() {
     let folder = tempfile::tempdir().unwrap();
     let to = folder.path().join("recovered.mcap");
     for (name, _, _) in FILES {
-        let recovered = recover(&path(name), &to, Options { overwrite: true }).unwrap();
+        let recovered = recover(&path(name), &to, false, Options::overwriting()).unwrap();
         assert!(recovered.reason.is_none(), "{name}: {:?}", recovered.reason);
         assert_eq!(records(&to), records(&path(name)), "{name}");
         let text = String::from_utf8_lossy(&std::fs::read(&to).unwrap()).into_owned();

@@ -42,7 +42,10 @@ pub enum Failure {
 pub fn run(settings: &Settings) -> Result<Summary, Failure> {
     // Alone in the domain, it leaves nothing behind.
     let mut tap = connect(settings).inspect_err(|_| settings.domain.tidy())?;
-    let mut writer = Writer::create(&settings.output, Options { overwrite: settings.overwrite })?;
+    let mut writer = Writer::create(
+        &settings.output,
+        Options { overwrite: settings.overwrite, ..Options::default() },
+    )?;
     tracing::info!(output = %settings.output.display(), "recording");
     let begin = Instant::now();
     let mut flushed = Instant::now();

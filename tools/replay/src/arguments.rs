@@ -12,7 +12,8 @@ Exit codes:
   1  failure: a file can't be read or is damaged, or there was nothing to compare
   2  usage: wrong arguments
   3  data was lost: the recorder missed messages, a request lacks its whole reply or a reply
-     its request, or the recording is cut off (its recorder was killed)
+     its request, or the recording is cut off (its recorder was killed); `recover`: something is
+     missing, or was kept without a checksum
   4  regression: replies differ
 If several apply, the first of 4, 1, 3 counts.";
 
@@ -23,7 +24,7 @@ Examples:
   replay check recordings/ --format junit > report.xml
   replay info run.mcap --format json
   replay diff before.mcap after.mcap
-  replay recover killed.mcap -o whole.mcap
+  replay recover killed.mcap.part -o whole.mcap
 ";
 
 const COMPARED: &str = "\
@@ -57,6 +58,8 @@ pub(crate) enum Command {
         /// Print lines for people, one JSON object, or JUnit XML
         #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
         format: ReportFormat,
+        #[command(flatten)]
+        strict: Strict,
     },
     /// Describe a recording
     #[command(after_help = EXIT_CODES)]
@@ -66,6 +69,8 @@ pub(crate) enum Command {
         /// Print lines for people, or one JSON object
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
+        #[command(flatten)]
+        strict: Strict,
     },
     /// Compare the replies of two recordings, pairing equal requests
     #[command(after_help = format!("{COMPARED}\n{EXIT_CODES}"))]
@@ -79,8 +84,10 @@ pub(crate) enum Command {
         /// Print lines for people, or one JSON object
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
+        #[command(flatten)]
+        strict: Strict,
     },
-    /// Copy what can be read of a cut or damaged recording into a new one
+    /// Copy what checksums vouch for in a cut or damaged recording into a new one
     #[command(after_help = EXIT_CODES)]
     Recover {
         /// The cut or damaged recording
@@ -91,7 +98,17 @@ pub(crate) enum Command {
         /// Replace an existing file
         #[arg(long)]
         overwrite: bool,
+        /// Keep also what can be decoded without a right checksum; the new recording says so
+        #[arg(long)]
+        unverified: bool,
     },
+}
+
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct Strict {
+    /// Refuse recordings of which checksums don't cover all messages
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 #[derive(Debug, Args)]

@@ -23,7 +23,8 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
     let mut findings = Findings::default();
     let mut out = BufWriter::new(io::stdout().lock());
     let printed = match Arguments::parse().command {
-        Command::Check { paths, compare, config, format } => {
+        Command::Check { paths, compare, config, format, strict } => {
+            findings.strict = strict.strict;
             let checked = checked(&paths, compare.tolerance(), config.as_deref(), &mut findings)?;
             match format {
                 ReportFormat::Text => report::text(&checked, &mut out),
@@ -31,7 +32,8 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
                 ReportFormat::Junit => out.write_all(junit::report(&checked)?.as_bytes()),
             }
         }
-        Command::Info { file, format } => {
+        Command::Info { file, format, strict } => {
+            findings.strict = strict.strict;
             let bar = progress(&file);
             let contents = exchanges::read(&file, |at| bar.set_position(at), drop);
             bar.finish_and_clear();
@@ -42,7 +44,8 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
                 Format::Json => info::json(&file, &contents, &mut out),
             }
         }
-        Command::Diff { a, b, compare, format } => {
+        Command::Diff { a, b, compare, format, strict } => {
+            findings.strict = strict.strict;
             let bar = progress(&b);
             let compared = diff::diff([&a, &b], compare.tolerance(), |at| bar.set_position(at));
             bar.finish_and_clear();
@@ -57,24 +60,13 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
                 Format::Json => crate::diff::json(&compared, paths, &mut out),
             }
         }
-        Command::Recover { file, output, overwrite } => {
-            let recovered = recover(&file, &output, Options { overwrite })?;
-            if let Some(reason) = &recovered.reason {
-                warn(format_args!("{}: {reason}", file.display()));
-            }
-            let summary = recovered.summary;
-            findings.loss |= summary.lost > 0 || recovered.unreadable > 0;
-            writeln!(
-                out,
-                "{}: {} messages recovered, {} missing in {} gaps, {} unreadable, {} of other \
-                 channels left out",
-                output.display(),
-                summary.recorded,
-                summary.lost,
-                summary.gaps,
-                recovered.unreadable,
-                recovered.skipped,
-            )
+        Command::Recover { file, output, overwrite, unverified } => {
+            let options = Options { overwrite, ..Options::default() };
+            let recovered = recover(&file, &output, unverified, options)?;
+            report::losses(&recovered)
+                .for_each(|trouble| warn(format_args!("{}: {trouble}", file.display())));
+            findings.loss |= recovered.is_incomplete();
+            writeln!(out, "{}: {}", output.display(), report::recovered(&recovered))
         }
     };
     match printed.and_then(|()| out.flush()).map_err(PrintError) {

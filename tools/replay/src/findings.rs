@@ -12,12 +12,15 @@ pub(crate) struct Findings {
     pub(crate) failure: bool,
     /// Data was lost.
     pub(crate) loss: bool,
+    /// Whether messages that no checksum covers are a failure.
+    pub(crate) strict: bool,
 }
 
 impl Findings {
     /// Adds what is wrong with a recording.
     pub(crate) fn add(&mut self, contents: &Contents) {
         self.failure |= contents.failure().is_some();
+        self.failure |= self.strict && !contents.coverage.is_whole();
         self.loss |= contents.is_incomplete();
     }
 

@@ -41,6 +41,15 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
     line("replies", format!("{} whole, in {} parts", contents.exchanges, contents.parts))?;
     line("lost", format!("{} messages in {} gaps", contents.lost(), gaps(contents)))?;
     line("broken", format!("{} requests or replies", contents.losses.len()))?;
+    line("checksums", contents.coverage.to_string())?;
+    if let Some(beat) = contents.heartbeat.filter(|_| contents.summary.is_none()) {
+        let waiting = contents.unrecorded();
+        let when = humantime::format_rfc3339_nanos(UNIX_EPOCH + Duration::from_nanos(beat.time_ns));
+        line("last sign", format!("{when}; {waiting} messages were sent and not recorded then"))?;
+    }
+    for (name, value) in &contents.description {
+        line(name, value.clone())?;
+    }
     if contents.skipped > 0 {
         line("others", format!("{} messages of other channels", contents.skipped))?;
     }
@@ -61,6 +70,9 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         missing: _,
         summary,
         skipped,
+        coverage,
+        heartbeat,
+        description,
         error,
     } = contents;
     let value = json!({
@@ -80,6 +92,11 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         "gaps": gaps(contents),
         "incomplete": losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "other_messages": skipped,
+        "bytes_of_messages": coverage.bytes,
+        "unchecked_bytes": coverage.bytes - coverage.checked,
+        "unrecorded": contents.unrecorded(),
+        "last_sign_of_life_ns": heartbeat.map(|beat| beat.time_ns),
+        "description": description,
     });
     write_json(&value, out)
 }

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use comparison::check::Checked;
 use comparison::compare::{Difference, FieldPath};
 use comparison::exchanges::Contents;
+use recording::Recovered;
 use serde_json::{Map, Value, json};
 
 /// Incomplete exchanges of a file that stderr shows.
@@ -20,15 +21,51 @@ pub(crate) fn troubles(contents: &Contents) -> impl Iterator<Item = String> {
     let losses = &contents.losses;
     let left = losses.len().saturating_sub(MOST_SHOWN);
     let error = contents.error.as_ref().map(ToString::to_string);
+    let uncovered = (!contents.coverage.is_whole()).then(|| contents.coverage.to_string());
+    let error = error.into_iter().chain(uncovered);
     let shown = losses.iter().take(MOST_SHOWN).map(ToString::to_string);
     let more = (left > 0).then(|| format!("{left} more are incomplete"));
-    error.into_iter().chain(shown).chain(more).chain(missed(contents))
+    error.chain(shown).chain(more).chain(missed(contents)).chain(unrecorded(contents))
 }
 
 /// How many messages the recorder missed, if any.
 pub(crate) fn missed(contents: &Contents) -> Option<String> {
     let lost = contents.lost();
     (lost > 0).then(|| format!("the recorder missed {lost} messages"))
+}
+
+/// How many messages a killed recorder knew of that are not in its file, if any.
+fn unrecorded(contents: &Contents) -> Option<String> {
+    let waiting = contents.unrecorded();
+    (waiting > 0).then(|| format!("{waiting} messages were sent before its end and are missing"))
+}
+
+/// Parts of a recording that are named one by one.
+const MOST_NAMED: usize = 20;
+
+/// What is wrong with a file that was recovered, a line each.
+pub(crate) fn losses(recovered: &Recovered) -> impl Iterator<Item = String> {
+    let dropped = &recovered.dropped;
+    let named = dropped.iter().take(MOST_NAMED);
+    let left = dropped.len().saturating_sub(MOST_NAMED);
+    let reason = recovered.reason.as_ref().map(ToString::to_string);
+    let named = named.map(|part| format!("byte {}: {}", part.offset, part.damage));
+    let more = (left > 0).then(|| format!("{left} more parts are damaged"));
+    reason.into_iter().chain(named).chain(more)
+}
+
+/// What was recovered, in words.
+pub(crate) fn recovered(recovered: &Recovered) -> String {
+    let Recovered { summary, unreadable, unverified, skipped, .. } = recovered;
+    let mut text = format!(
+        "{} messages recovered, {} missing in {} gaps, {unreadable} unreadable, {skipped} of other \
+         channels left out",
+        summary.recorded, summary.lost, summary.gaps,
+    );
+    if *unverified > 0 {
+        text += &format!(", {unverified} that no checksum covers");
+    }
+    text
 }
 
 /// All files as one JSON object.
@@ -61,6 +98,7 @@ fn file_json(file: &Checked) -> Value {
         "differences": differences.collect::<Vec<_>>(),
         "incomplete": contents.losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "lost": contents.lost(),
+        "unchecked_bytes": contents.coverage.bytes - contents.coverage.checked,
         "cut": contents.error.as_ref().is_some_and(|error| error.is_cut()),
         "error": contents.error.as_ref().map(ToString::to_string),
     })

@@ -1,0 +1,178 @@
+//! What the channels of a file are, and its records as messages.
+
+use std::collections::BTreeMap;
+
+use mcap::records::op;
+use schemas::{codec, topic};
+
+use crate::error::{Damage, ReadError};
+use crate::fields::Fields;
+use crate::format::{Topic, VERSION_KEY};
+use crate::record::{Message, Record};
+
+/// What the channels of a file hold.
+#[derive(Default)]
+pub(crate) struct Channels {
+    schemas: BTreeMap<u16, Schema>,
+    channels: BTreeMap<u16, Channel>,
+}
+
+struct Channel {
+    topic: String,
+    /// Which of ours, and the version of its messages.
+    ours: Option<(Topic, u32)>,
+    messages: u64,
+}
+
+/// What a record means.
+pub(crate) enum Step {
+    /// A message.
+    Record(Box<Record>),
+    /// A message of a channel that is not ours.
+    Skipped,
+    /// A channel or a schema, or nothing of interest.
+    Other,
+}
+
+#[derive(PartialEq)]
+struct Schema {
+    name: String,
+    encoding: String,
+    data: Vec<u8>,
+}
+
+impl Channels {
+    /// Takes in a record that begins at byte `offset`.
+    pub(crate) fn take(&mut self, opcode: u8, body: &[u8], offset: u64) -> Result<Step, ReadError> {
+        let damaged = |damage| ReadError::Damaged { offset, damage };
+        let broken = |what| damaged(Damage::Broken { what });
+        match opcode {
+            op::SCHEMA => match self.add_schema(Fields(body)) {
+                None => Err(broken("a schema")),
+                Some(Err(damage)) => Err(damaged(damage)),
+                Some(Ok(())) => Ok(Step::Other),
+            },
+            op::CHANNEL => self
+                .add_channel(Fields(body), offset)
+                .unwrap_or_else(|| Err(broken("a channel")))
+                .map(|()| Step::Other),
+            op::MESSAGE => {
+                self.message(Fields(body), offset).unwrap_or_else(|| Err(broken("a message")))
+            }
+            _ => Ok(Step::Other),
+        }
+    }
+
+    /// Whether a channel is one of ours.
+    pub(crate) fn has_ours(&self) -> bool {
+        self.channels.values().any(|channel| channel.ours.is_some())
+    }
+
+    /// Channels of others and their messages so far.
+    pub(crate) fn others(&self) -> impl Iterator<Item = (&str, u64)> {
+        let others = self.channels.values().filter(|channel| channel.ours.is_none());
+        others.map(|channel| (&*channel.topic, channel.messages))
+    }
+
+    fn add_schema(&mut self, mut fields: Fields) -> Option<Result<(), Damage>> {
+        let id = fields.u16()?;
+        let schema = Schema {
+            name: fields.text()?.to_owned(),
+            encoding: fields.text()?.to_owned(),
+            data: fields.block()?.to_owned(),
+        };
+        let known = self.schemas.entry(id).or_insert_with(|| Schema {
+            name: schema.name.clone(),
+            encoding: schema.encoding.clone(),
+            data: schema.data.clone(),
+        });
+        Some(if *known == schema { Ok(()) } else { Err(Damage::Redefined { what: "schema", id }) })
+    }
+
+    fn add_channel(&mut self, mut fields: Fields, offset: u64) -> Option<Result<(), ReadError>> {
+        let (id, schema) = (fields.u16()?, fields.u16()?);
+        let (name, encoding) = (fields.text()?, fields.text()?);
+        let version = fields.value_of(VERSION_KEY)?;
+        let ours = match Topic::ALL.into_iter().find(|topic| topic.name() == name) {
+            None => None,
+            Some(topic) => match self.identify(topic, schema, encoding, version, offset) {
+                Ok(version) => Some((topic, version)),
+                Err(error) => return Some(Err(error)),
+            },
+        };
+        let new = || Channel { topic: name.to_owned(), ours, messages: 0 };
+        let known = self.channels.entry(id).or_insert_with(new);
+        Some(if (known.ours, &*known.topic) == (ours, name) {
+            Ok(())
+        } else {
+            let damage = Damage::Redefined { what: "channel", id };
+            Err(ReadError::Damaged { offset, damage })
+        })
+    }
+
+    /// The version of the messages of a channel of ours: what it says there, and 1 where it
+    /// says nothing. The schema's text is for people and not looked at.
+    fn identify(
+        &self,
+        topic: Topic,
+        schema: u16,
+        encoding: &str,
+        version: Option<&str>,
+        offset: u64,
+    ) -> Result<u32, ReadError> {
+        let check = |what, found: &str, expected: &str| {
+            if found == expected {
+                return Ok(());
+            }
+            let (found, expected) = (brief(found), expected.to_owned());
+            Err(ReadError::Channel { offset, topic: topic.name(), what, found, expected })
+        };
+        check("message encoding", encoding, topic::ENCODING)?;
+        let Some(schema) = self.schemas.get(&schema) else {
+            check("schema", "none", topic.schema_name())?;
+            return Ok(1);
+        };
+        check("schema name", &schema.name, topic.schema_name())?;
+        check("schema encoding", &schema.encoding, topic::ENCODING)?;
+        let text = version.unwrap_or("1");
+        match text.parse() {
+            Ok(version) if (1..=codec::VERSION).contains(&version) => Ok(version),
+            Ok(found) => {
+                let (topic, schema, newest) = (topic.name(), topic.schema_name(), codec::VERSION);
+                Err(ReadError::Version { offset, topic, schema, found, newest })
+            }
+            Err(_) => check(VERSION_KEY, text, "a number").map(|()| 1),
+        }
+    }
+
+    fn message(&mut self, mut fields: Fields, offset: u64) -> Option<Result<Step, ReadError>> {
+        let (channel, sequence) = (fields.u16()?, fields.u32()?);
+        let (log_ns, publish_ns) = (fields.u64()?, fields.u64()?);
+        let Some(channel) = self.channels.get_mut(&channel) else {
+            let damage = Damage::UnknownChannel { channel };
+            return Some(Err(ReadError::Damaged { offset, damage }));
+        };
+        channel.messages += 1;
+        let Some((topic, version)) = channel.ours else { return Some(Ok(Step::Skipped)) };
+        let message = match topic {
+            Topic::Request => codec::decode_request(version, fields.0).map(Message::Request),
+            Topic::Reply => codec::decode_reply(version, fields.0).map(Message::Reply),
+        };
+        Some(match message {
+            Ok(message) => {
+                Ok(Step::Record(Box::new(Record { message, log_ns, publish_ns, sequence })))
+            }
+            Err(source) => {
+                let topic = topic.name();
+                Err(ReadError::Message { offset, topic, sequence, source })
+            }
+        })
+    }
+}
+
+/// The beginning of a text, for messages to people.
+fn brief(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let end = line.floor_char_boundary(80);
+    if end < text.trim_end().len() { format!("{}...", &line[..end]) } else { line.to_owned() }
+}

@@ -1,0 +1,167 @@
+//! The file of a recording while it is written.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rustix::fs::{CWD, FlockOperation, RenameFlags};
+use rustix::io::Errno;
+use thiserror::Error;
+
+use crate::write::WriteError;
+
+/// What happened to a file that is being written.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum Trouble {
+    /// It has no name any more.
+    #[error("the file was removed, moved or replaced while it was being written")]
+    Gone,
+    /// Somebody has cut it.
+    #[error("{written} bytes were written, but the file has {found}")]
+    Size {
+        /// Bytes written.
+        written: u64,
+        /// Bytes on the disk.
+        found: u64,
+    },
+}
+
+/// A file that has another name until it is finished, so that nobody takes a part for the whole.
+///
+/// It is locked, so that two recorders never write the same one, and each flush looks whether it
+/// still is what was written.
+#[derive(Debug)]
+pub struct NewFile {
+    output: BufWriter<File>,
+    /// Where it is until it is finished.
+    part: PathBuf,
+    path: PathBuf,
+    overwrite: bool,
+    sync: bool,
+    /// Device and inode; none for what is no file, such as a pipe: it is written as it is.
+    is: Option<(u64, u64)>,
+    written: u64,
+}
+
+impl NewFile {
+    pub(crate) fn create(path: &Path, overwrite: bool, sync: bool) -> Result<Self, WriteError> {
+        let failed = |error: io::Error| WriteError::Create {
+            path: path.to_owned(),
+            source: Arc::new(error),
+        };
+        let with = |file, part, is| Self {
+            output: BufWriter::with_capacity(64 << 10, file),
+            part,
+            path: path.to_owned(),
+            overwrite,
+            sync,
+            is,
+            written: 0,
+        };
+        match fs::metadata(path) {
+            Ok(_) if !overwrite => return Err(WriteError::Exists { path: path.to_owned() }),
+            Ok(found) if found.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
+            Ok(found) if !found.is_file() => {
+                let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
+                return Ok(with(file, path.to_owned(), None));
+            }
+            _ => {}
+        }
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        let part = PathBuf::from(part);
+        let new = OpenOptions::new().write(true).create_new(true).open(&part);
+        let is_new = new.is_ok();
+        let file = match new {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                OpenOptions::new().write(true).open(&part)
+            }
+            new => new,
+        }
+        .map_err(failed)?;
+        match rustix::fs::flock(&file, FlockOperation::NonBlockingLockExclusive) {
+            Ok(()) => {}
+            Err(Errno::WOULDBLOCK) => return Err(WriteError::Locked { path: part }),
+            // Not every file system has locks.
+            Err(Errno::NOTSUP | Errno::NOSYS | Errno::NOLCK) => {}
+            Err(error) => return Err(failed(error.into())),
+        }
+        if !is_new && !overwrite {
+            return Err(WriteError::Unfinished { path: part });
+        }
+        file.set_len(0).map_err(failed)?;
+        let found = file.metadata().map_err(failed)?;
+        Ok(with(file, part, Some((found.dev(), found.ino()))))
+    }
+
+    /// Where it is until it is finished.
+    pub(crate) fn part(&self) -> &Path {
+        &self.part
+    }
+
+    /// Whether the file still is what was written.
+    fn check(&self) -> Result<(), WriteError> {
+        let Some(is) = self.is else { return Ok(()) };
+        let trouble = |trouble| WriteError::File { path: self.part.clone(), trouble };
+        let found = match fs::symlink_metadata(&self.part) {
+            Ok(found) if (found.dev(), found.ino()) == is => found.len(),
+            Ok(_) => return Err(trouble(Trouble::Gone)),
+            Err(error) if matches!(error.kind(), io::ErrorKind::NotFound) => {
+                return Err(trouble(Trouble::Gone));
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let written = self.written;
+        if found == written { Ok(()) } else { Err(trouble(Trouble::Size { written, found })) }
+    }
+
+    /// Gives the finished file its name.
+    pub(crate) fn commit(mut self) -> Result<(), WriteError> {
+        self.flush()?;
+        if self.is.is_none() {
+            return Ok(());
+        }
+        if self.sync {
+            self.output.get_ref().sync_all()?;
+        }
+        let (part, path) = (&self.part, &self.path);
+        if self.overwrite {
+            fs::rename(part, path)?;
+        } else {
+            match rustix::fs::renameat_with(CWD, part, CWD, path, RenameFlags::NOREPLACE) {
+                Ok(()) => {}
+                Err(Errno::EXIST) => return Err(WriteError::Exists { path: path.clone() }),
+                // Not every file system can; a link does not replace anything either.
+                Err(Errno::INVAL | Errno::NOSYS) => {
+                    fs::hard_link(part, path).and_then(|()| fs::remove_file(part))?;
+                }
+                Err(error) => return Err(io::Error::from(error).into()),
+            }
+        }
+        self.part = self.path.clone();
+        self.check()?;
+        if self.sync {
+            let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            File::open(folder.unwrap_or(Path::new(".")))?.sync_all()?;
+        }
+        Ok(())
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = self.output.write(bytes)?;
+        self.written += taken as u64;
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.output.flush()?;
+        if self.sync {
+            self.output.get_ref().sync_data()?;
+        }
+        self.check().map_err(io::Error::other)
+    }
+}
