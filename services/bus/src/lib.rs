@@ -28,6 +28,7 @@ pub mod domain;
 mod error;
 mod headers;
 mod janitor;
+mod ledger;
 mod list;
 mod log;
 mod member;

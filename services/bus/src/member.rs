@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::ops::Deref;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use iceoryx2::prelude::{Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
@@ -41,6 +42,11 @@ struct Stay {
 }
 
 impl Member {
+    /// The directory of the domain.
+    pub(crate) fn directory(&self) -> PathBuf {
+        self.stay.site.directory()
+    }
+
     /// Clears away programs that died in the domain, if there are any and no planner does it.
     /// Cheap if there are none.
     pub(crate) fn sweep(&self) {

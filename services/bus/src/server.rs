@@ -25,6 +25,7 @@ use crate::cause::Cause;
 use crate::domain::Domain;
 use crate::error::OpenError;
 use crate::headers::{Current, UserHeader, Version};
+use crate::ledger::Ledger;
 use crate::member::Member;
 use crate::memory;
 use crate::options::ServerOptions;
@@ -155,9 +156,11 @@ impl Server {
         };
         let ringer = answered.notifier_builder().create();
         let ringer = ringer.map_err(|error| failed(ANSWERED)(error.into()))?;
+        let ledger = Ledger::create(&node.directory());
+        let ledger = ledger.map_err(|error| OpenError::System(error.to_string()))?;
         let desk = Desk {
             ringer: Ringer::new(ringer, options.max_clients),
-            tap: TapWriter::create(tap).map_err(failed(TAP))?,
+            tap: TapWriter::create(tap, ledger).map_err(failed(TAP))?,
             patience: options.reply.patience,
             old: Vec::new(),
             spare: reply::Spare::default(),
@@ -259,9 +262,16 @@ impl Server {
         let woken = wait::wait(self.how, (self.bell.as_ref(), others), until, || self.has_work());
         let died = self.deaths.any();
         self.waker.reset();
-        self.desk.borrow_mut().tap.heartbeat();
+        self.beat();
         self.sweep_due |= died || self.swept.elapsed() >= SWEEP;
         woken
+    }
+
+    /// Recorders see that the planner is alive, and its last status.
+    fn beat(&self) {
+        if self.desk.borrow_mut().tap.heartbeat() {
+            self.status.show();
+        }
     }
 
     /// Waits for the waker only, whatever signals have come, at most until `until`.
@@ -269,7 +279,7 @@ impl Server {
         let most = until.saturating_duration_since(Instant::now()).min(wait::NET);
         wait::sleep_for(&self.waker, most);
         self.waker.reset();
-        self.desk.borrow_mut().tap.heartbeat();
+        self.beat();
     }
 
     /// From now on a wait ends at once when the client of this request dies, if its process can be

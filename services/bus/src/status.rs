@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{AllocationStrategy, ipc};
 
 use crate::cause::Cause;
@@ -33,6 +34,12 @@ impl StatusWriter {
             .create()
             .map_err(Cause::from)?;
         Ok(Self { port })
+    }
+
+    /// Gives those who have come since the last text that text.
+    pub(crate) fn show(&self) {
+        // Whoever can't be reached now is tried again with the next.
+        let _ = self.port.update_connections();
     }
 
     pub(crate) fn publish(&self, text: &str) -> Result<(), Cause> {

@@ -3,8 +3,10 @@
 //! One sequence runs over requests and replies, in the order in which the planner took and
 //! sent them, whatever version their client speaks: the tap carries the current one.
 //! Nothing is copied while nobody listens. A heartbeat carries the next sequence number,
-//! so a loss at the very end shows as well.
+//! so a loss at the very end shows as well. The number outlasts the planner ([`crate::ledger`]):
+//! the next one goes on counting, so that what is lost at a restart is counted exactly.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use iceoryx2::identifiers::UniquePublisherId;
@@ -22,6 +24,7 @@ use crate::connect;
 use crate::domain::Domain;
 use crate::error::ConnectError;
 use crate::headers::{TapHeader, UserHeader};
+use crate::ledger::Ledger;
 use crate::member::Member;
 use crate::memory;
 use crate::ports;
@@ -45,12 +48,12 @@ const BEAT: u32 = 2;
 pub(crate) struct TapWriter {
     port: Publisher<ipc::Service, [u64], TapHeader>,
     service: ports::Tap,
-    sequence: u64,
+    ledger: Ledger,
     beaten: Instant,
 }
 
 impl TapWriter {
-    pub(crate) fn create(service: ports::Tap) -> Result<Self, Cause> {
+    pub(crate) fn create(service: ports::Tap, ledger: Ledger) -> Result<Self, Cause> {
         let port = service
             .publisher_builder()
             .initial_max_slice_len(MESSAGE_CELLS)
@@ -58,7 +61,7 @@ impl TapWriter {
             .max_loaned_samples(1)
             .create()
             .map_err(Cause::from)?;
-        Ok(Self { port, service, sequence: 0, beaten: Instant::now() })
+        Ok(Self { port, service, ledger, beaten: Instant::now() })
     }
 
     fn listened_to(&self) -> bool {
@@ -78,21 +81,25 @@ impl TapWriter {
     }
 
     /// If it is time to, announces the next sequence number, or forgets the last who listened.
-    pub(crate) fn heartbeat(&mut self) {
+    /// Whether anybody listens and it was time.
+    pub(crate) fn heartbeat(&mut self) -> bool {
         if self.beaten.elapsed() < HEARTBEAT {
-            return;
+            return false;
         }
         self.beaten = Instant::now();
-        if self.listened_to() {
-            self.send(BEAT, self.sequence, Piece { index: 0, ends: true }, &[], &[]);
+        let is_due = self.listened_to();
+        if is_due {
+            let next = self.ledger.next();
+            self.send(BEAT, next, Piece { index: 0, ends: true }, &[], &[]);
         } else if let Err(error) = self.port.update_connections() {
             tracing::debug!(?error, "can't forget a recorder");
         }
+        is_due
     }
 
     fn publish(&mut self, kind: u32, mut head: &[u64], mut cells: &[u64]) {
-        let sequence = self.sequence;
-        self.sequence += 1;
+        // Counted first: what a kill keeps from being sent is lost, and shows.
+        let sequence = self.ledger.take();
         for index in 0.. {
             let (now, later) = cells.split_at(cells.len().min(MESSAGE_CELLS - head.len()));
             let piece = Piece { index, ends: later.is_empty() };
@@ -158,8 +165,8 @@ pub enum TapEvent {
         /// How many bus messages.
         messages: u64,
     },
-    /// Another planner took over and restarts its message numbers. The last messages of the
-    /// old one may be lost.
+    /// Another planner took over. It goes on with the message numbers; what the old one could
+    /// not deliver is counted as lost.
     Restarted,
 }
 
@@ -192,16 +199,21 @@ pub enum TapMessage {
 #[derive(Debug)]
 pub struct TapReader {
     port: Subscriber<ipc::Service, [u64], TapHeader>,
-    /// The planner whose sequence is being followed.
+    service: ports::Tap,
+    /// None where the planner is of an earlier version.
+    ledger: Option<Ledger>,
+    /// The planner whose messages are being received.
     publisher: Option<UniquePublisherId>,
+    /// The number of the next message when this began to listen.
+    begin: u64,
     /// None before the first message.
     place: Option<Place>,
     /// A message that is not complete yet.
     begun: Vec<u64>,
-    /// An event that waits behind a loss.
-    waiting: Option<TapMessage>,
+    /// Events that wait behind another.
+    waiting: VecDeque<TapEvent>,
     /// Stays in the domain for as long as the port is open.
-    _node: Member,
+    node: Member,
 }
 
 impl TapReader {
@@ -218,13 +230,19 @@ impl TapReader {
             Cause::Full => connect::full(domain, connect::RECORDERS, most),
             cause => failed(cause),
         })?;
+        // In this order: what is sent in between is received, and begins earlier.
+        let ledger = Ledger::find(&node.directory());
+        let begin = ledger.as_ref().map_or(u64::MAX, Ledger::next);
         Ok(Self {
             port,
+            service,
+            ledger,
+            begin,
             publisher: None,
             place: None,
             begun: Vec::new(),
-            waiting: None,
-            _node: node,
+            waiting: VecDeque::new(),
+            node,
         })
     }
 
@@ -235,8 +253,8 @@ impl TapReader {
 
     /// The next event, if there is one.
     pub fn receive(&mut self) -> Option<TapEvent> {
-        if let Some(message) = self.waiting.take() {
-            return Some(TapEvent::Message(message));
+        if let Some(event) = self.waiting.pop_front() {
+            return Some(event);
         }
         loop {
             let sample = match self.port.receive() {
@@ -249,34 +267,53 @@ impl TapReader {
             let header = *sample.user_header().plain();
             let publisher = sample.header().publisher_id();
             let restarted = self.publisher.replace(publisher).is_some_and(|old| old != publisher);
-            if restarted {
-                self.place = None;
+            if restarted && self.ledger.is_none() {
+                // It counts anew.
+                (self.place, self.begin) = (None, u64::MAX);
             }
             let piece = match header.kind {
                 BEAT => None,
                 _ => Some(Piece::from_code(header.piece)),
             };
-            let place = self.place.unwrap_or(Place { message: header.sequence, pieces: 0 });
+            let place =
+                self.place.unwrap_or_else(|| Place::first(self.begin, header.sequence, piece));
             let (step, next) = place.step(header.sequence, piece);
             self.place = Some(next);
-            let gap = match step.lost {
-                _ if restarted => Some(TapEvent::Restarted),
-                0 => None,
-                messages => Some(TapEvent::Lost { messages }),
-            };
+            let lost = (step.lost > 0).then_some(TapEvent::Lost { messages: step.lost });
+            let restarted = restarted.then_some(TapEvent::Restarted);
             let message = match piece {
                 Some(piece) if step.keep => self.assemble(&header, piece, sample.payload()),
                 _ => None,
             };
-            match (gap, message) {
-                (None, None) => {}
-                (None, Some(message)) => return Some(TapEvent::Message(message)),
-                (Some(gap), message) => {
-                    self.waiting = message;
-                    return Some(gap);
-                }
+            self.waiting.extend(restarted.into_iter().chain(lost));
+            self.waiting.extend(message.map(TapEvent::Message));
+            if let Some(event) = self.waiting.pop_front() {
+                return Some(event);
             }
         }
+    }
+
+    /// The number of the next message: those before were received, or are lost.
+    pub fn place(&self) -> u64 {
+        let begin = if self.ledger.is_some() { self.begin } else { 0 };
+        self.place.map_or(begin, |place| place.message)
+    }
+
+    /// The number of the message that the planner sends next.
+    pub fn announced(&self) -> u64 {
+        self.ledger.as_ref().map_or_else(|| self.place(), Ledger::next)
+    }
+
+    /// Messages that were sent and not received yet; some of them may be lost already.
+    pub fn waiting(&self) -> u64 {
+        self.announced().saturating_sub(self.place())
+    }
+
+    /// Whether a planner is there. One that was killed counts until it is cleared away, which this
+    /// does.
+    pub fn sees_planner(&self) -> bool {
+        self.node.sweep();
+        self.service.dynamic_config().number_of_publishers() > 0
     }
 
     /// The message that is complete with this piece.
@@ -316,6 +353,14 @@ struct Step {
 }
 
 impl Place {
+    /// Where a reader begins that joined before message `begin` and then received this.
+    fn first(begin: u64, message: u64, piece: Option<Piece>) -> Self {
+        // The rest of a message that had begun before is none that was missed.
+        let is_rest = message < begin && piece.is_some_and(|piece| piece.index > 0);
+        let message = if is_rest { message + 1 } else { message.min(begin) };
+        Self { message, pieces: 0 }
+    }
+
     /// Takes in a piece of the message with this number, or (`None`) a heartbeat, which
     /// carries the number of the next message. A message that lacks a piece is lost once.
     fn step(self, message: u64, piece: Option<Piece>) -> (Step, Self) {
