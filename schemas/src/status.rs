@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// The planner's state, and what it has done since it started.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -31,6 +32,9 @@ pub struct Status {
     pub cache: CacheStatus,
     /// From taking a request to the last part of its reply, microseconds.
     pub latency: Latency,
+    /// The planner's settings, `caps` among them; null where it is of an earlier version.
+    #[serde(default)]
+    pub config: Value,
 }
 
 /// The requests that wait for a worker.
@@ -100,6 +104,17 @@ impl Status {
         serde_json::from_str(text)
     }
 
+    /// The JSON Schema of it, for viewers: the names and kinds of its fields.
+    pub fn schema() -> String {
+        let mut example = serde_json::to_value(Self::default()).expect("names and numbers");
+        // What a default does not show.
+        example["config"] = json!({});
+        let mut schema = schema_of(&example);
+        schema["title"] = json!("Clearway planner status");
+        schema["properties"]["refused"]["additionalProperties"] = json!({"type": "integer"});
+        schema.to_string()
+    }
+
     /// In Prometheus's text format.
     pub fn to_prometheus(&self) -> String {
         use std::fmt::Write;
@@ -116,6 +131,7 @@ impl Status {
             unsent,
             cache,
             latency,
+            config: _,
         } = self;
         let mut text = String::new();
         let mut metric = |name: &str, kind: &str, help: &str, values: &[(String, f64)]| {
@@ -170,6 +186,24 @@ impl Status {
     }
 }
 
+/// The JSON Schema of values like this one.
+fn schema_of(example: &Value) -> Value {
+    let kind = match example {
+        Value::Object(fields) => {
+            let properties: serde_json::Map<_, _> =
+                fields.iter().map(|(name, value)| (name.clone(), schema_of(value))).collect();
+            return json!({"type": "object", "properties": properties});
+        }
+        Value::Number(number) if number.is_u64() => "integer",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Bool(_) => "boolean",
+        Value::Array(_) => "array",
+        Value::Null => "null",
+    };
+    json!({"type": kind})
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,6 +227,17 @@ mod tests {
         let newer = text.replacen('{', "{\"colour\":1,", 1);
         assert_eq!(Status::from_json(&newer).unwrap(), status());
         assert!(Status::from_json("{}").is_err());
+    }
+
+    #[test]
+    fn the_schema_has_every_field() {
+        let schema: Value = serde_json::from_str(&Status::schema()).unwrap();
+        let fields = serde_json::to_value(status()).unwrap();
+        for (name, _) in fields.as_object().unwrap() {
+            assert!(schema["properties"][name]["type"].is_string(), "{name}");
+        }
+        assert_eq!(schema["properties"]["latency"]["properties"]["p50"]["type"], "number");
+        assert_eq!(schema["properties"]["queue"]["properties"]["most"]["type"], "integer");
     }
 
     #[test]

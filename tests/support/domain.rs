@@ -77,6 +77,16 @@ impl TestDomain {
         Process::start(name, command, outputs, stdin, Arc::clone(&self.killed))
     }
 
+    /// Starts a shell with a script, in the directory of this test.
+    pub fn shell(&self, shell: &[&str], script: &str) -> Process {
+        let mut command = Command::new(shell[0]);
+        command.args(&shell[1..]).arg(script).current_dir(self.directory.path());
+        command.env(bus::ROOT_VARIABLE, self.root()).env_remove("RUST_LOG");
+        let number = self.started.fetch_add(1, Ordering::Relaxed);
+        let outputs = self.path(&format!("shell-{number}"));
+        Process::start("shell", command, outputs, None, Arc::clone(&self.killed))
+    }
+
     /// Starts a planner and waits until it is ready.
     #[track_caller]
     pub fn planner(&self, arguments: &[&str]) -> Process {

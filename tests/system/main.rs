@@ -13,4 +13,5 @@ mod plan;
 mod planner;
 mod read;
 mod recorder;
+mod recordings;
 mod service;

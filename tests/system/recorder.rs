@@ -160,6 +160,53 @@ fn messages_that_a_frozen_recorder_missed_are_counted_and_reported() {
     assert!(checked.stderr.contains(&format!("missed {lost} messages")), "{checked:?}");
 }
 
+/// A frozen recorder misses the end of one planner and the beginning of the next.
+fn check_restart(end: fn(Process)) {
+    let test = TestDomain::new();
+    test.write("planner.toml", "tap_buffer = 8");
+    let planner = test.planner(&["--unsupervised", "--config", "planner.toml"]);
+    let recorder = test.recorder("run.mcap", &[]);
+    ask(&test, 2);
+    wait_for("the flush", || (readable(&test) == 2).then_some(()));
+    recorder.signal(Signal::STOP);
+    ask(&test, 12);
+    end(planner);
+    let _planner = test.planner(&["--unsupervised", "--config", "planner.toml"]);
+    ask(&test, 11);
+    recorder.signal(Signal::CONT);
+    let ended = recorder.stop();
+
+    let file = recording(&test.path("run.mcap"));
+    let summary = file.summary.expect("the file is finished");
+    assert!(summary.lost > 0, "{summary:?}");
+    assert_eq!(summary.recorded + summary.lost, 3 * (2 + 12 + 11), "{summary:?}");
+    assert_eq!(ended.code, Some(3), "{ended:?}");
+}
+
+#[test]
+fn what_is_lost_while_the_planner_restarts_is_counted() {
+    check_restart(|planner| drop(planner.stop()));
+    check_restart(|planner| drop(planner.kill()));
+}
+
+#[test]
+fn it_says_that_the_planner_is_gone() {
+    let test = TestDomain::new();
+    let planner = test.planner(&["--unsupervised"]);
+    let mut recorder = test.recorder("run.mcap", &[]);
+    let leaving = test.recorder("other.mcap", &["--exit-with-planner"]);
+    ask(&test, 1);
+    planner.kill();
+    recorder.wait_until_it_says("the planner is gone");
+    let left = leaving.wait();
+    assert_eq!(left.stdout, "other.mcap: 3 messages recorded, 0 lost\n");
+    assert_eq!(left.code, Some(0));
+    let _planner = test.planner(&["--unsupervised"]);
+    recorder.wait_until_it_says("a planner is there again");
+    ask(&test, 1);
+    assert_eq!(recorder.stop().stdout, "run.mcap: 6 messages recorded, 0 lost\n");
+}
+
 #[test]
 fn it_waits_for_a_planner_to_come_up() {
     let test = TestDomain::new();

@@ -2,7 +2,7 @@
 
 use planning::budget::Allowance;
 use schemas::message::Refusal;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::refuse;
 
@@ -10,7 +10,7 @@ use crate::refuse;
 /// refused, and the refusal names the cap.
 ///
 /// The same request under the same caps has the same reply.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Caps {
     /// The size of a request, in cells of 8 bytes. 2^26: 512 MiB.

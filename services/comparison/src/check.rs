@@ -15,8 +15,10 @@ const MOST_SHOWN: usize = 10;
 /// How the replies of one recording compare.
 #[derive(Debug)]
 pub struct Checked {
-    /// The file.
+    /// The file, or the first of several.
     pub path: PathBuf,
+    /// How many more files the recording has.
+    pub more: usize,
     /// What is in it.
     pub contents: Contents,
     /// Its exchanges, in the order in which their replies ended.
@@ -107,8 +109,11 @@ impl fmt::Display for Case {
 /// The first differences, a line each, and a line of counts.
 impl fmt::Display for Checked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { path, contents, cases: _ } = self;
-        let path = path.display();
+        let Self { path, more, contents, cases: _ } = self;
+        let path = match more {
+            0 => path.display().to_string(),
+            more => format!("{} and {more} more", path.display()),
+        };
         for (case, difference) in self.differences().take(MOST_SHOWN) {
             writeln!(f, "{path}: {case}: {difference}")?;
         }
@@ -135,21 +140,22 @@ impl fmt::Display for Checked {
     }
 }
 
-/// Plans the requests of the recording at `path` again with `plan` and compares the replies
-/// with those recorded. `progress` receives the number of bytes read.
+/// Plans the requests of a recording again with `plan` and compares the replies with those
+/// recorded. `files` are its files, one or more; `progress` receives the number of bytes read.
 pub fn check(
-    path: &Path,
+    files: &[PathBuf],
     tolerance: Tolerance,
     mut plan: impl FnMut(&Request) -> Reply,
     progress: impl FnMut(u64),
 ) -> Checked {
     let mut cases = Vec::new();
-    let contents = exchanges::read(path, progress, |exchange| {
+    let contents = exchanges::read_all(files, progress, |exchange| {
         let planned = plan(&exchange.request);
         let outcome = compare(&exchange.reply, &planned, tolerance);
         cases.push(Case { index: exchange.index, key: exchange.request.key, outcome });
     });
-    Checked { path: path.to_owned(), contents, cases }
+    let path = files.first().cloned().unwrap_or_default();
+    Checked { path, more: files.len().saturating_sub(1), contents, cases }
 }
 
 /// The recordings that `paths` name: files, and all `*.mcap` in folders and below, sorted.

@@ -1,9 +1,11 @@
 //! A recording's requests with their whole replies.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use recording::{Coverage, Heartbeat, Message, ReadError, Reader, Summary};
+use recording::{
+    Coverage, FILE_KEY, Heartbeat, Message, ReadError, Reader, Record, SERIES_KEY, Summary,
+};
 use schemas::message::{AssembleError, Reply, ReplyAssembler, ReplyPart, Request, RequestKey};
 use thiserror::Error;
 
@@ -84,6 +86,8 @@ pub struct Contents {
     pub summary: Option<Summary>,
     /// Messages of other channels.
     pub skipped: u64,
+    /// Statuses of the planner.
+    pub statuses: u64,
     /// How much checksums vouch for.
     pub coverage: Coverage,
     /// The recorder's last sign of life.
@@ -128,31 +132,124 @@ struct Pending {
     error: Option<AssembleError>,
 }
 
+/// What the recorder wrote at the beginning of the recording at `path`, if that can be read.
+pub fn description(path: &Path) -> BTreeMap<String, String> {
+    let Ok(mut reader) = Reader::open(path) else { return BTreeMap::new() };
+    // It stands before the first message.
+    let _ = reader.next();
+    reader.description().clone()
+}
+
+/// Puts together the files of `paths` that are one recording and follow each other in it.
+pub fn recordings(paths: &[PathBuf]) -> Vec<Vec<PathBuf>> {
+    let mut recordings: Vec<Vec<PathBuf>> = Vec::new();
+    let mut last: Option<(String, u64)> = None;
+    for path in paths {
+        let description = description(path);
+        let file = description.get(FILE_KEY).and_then(|file| file.parse::<u64>().ok());
+        let place = description.get(SERIES_KEY).cloned().zip(file);
+        match (recordings.last_mut(), &place) {
+            // One that is missing between them shows by the messages that it had.
+            (Some(before), Some((series, file)))
+                if last.as_ref().is_some_and(|(same, index)| same == series && index < file) =>
+            {
+                before.push(path.clone());
+            }
+            _ => recordings.push(vec![path.clone()]),
+        }
+        last = place;
+    }
+    recordings
+}
+
 /// Reads the recording at `path`. `each` gets every exchange as soon as its reply is whole,
 /// `progress` the number of bytes read so far.
 ///
 /// Memory: requests whose replies are not yet whole, with the parts read.
-pub fn read(
-    path: &Path,
+pub fn read(path: &Path, progress: impl FnMut(u64), each: impl FnMut(Exchange)) -> Contents {
+    read_all(std::slice::from_ref(&path), progress, each)
+}
+
+/// Reads a recording in several files, in their order; see [`read`].
+pub fn read_all(
+    paths: &[impl AsRef<Path>],
     mut progress: impl FnMut(u64),
     mut each: impl FnMut(Exchange),
 ) -> Contents {
     let mut contents = Contents::default();
-    let mut reader = match Reader::open(path) {
-        Ok(reader) => reader,
-        Err(error) => return Contents { error: Some(error), ..contents },
-    };
-    contents.library = reader.library().to_owned();
-    let mut pending = BTreeMap::new();
-    let mut orphans = BTreeMap::new();
-    while let Some(record) = reader.next() {
-        let record = match record {
-            Ok(record) => record,
-            Err(error) => {
-                contents.error = Some(error);
-                break;
-            }
+    let mut open = Open::default();
+    for (index, path) in paths.iter().enumerate() {
+        let is_last = index + 1 == paths.len();
+        open.read(path.as_ref(), is_last, &mut contents, &mut progress, &mut each);
+        if contents.failure().is_some() {
+            break;
+        }
+    }
+    let Open { pending, orphans, .. } = open;
+    contents.losses.extend(pending.into_values().map(|waiting| waiting.loss()));
+    contents.losses.extend(orphans.into_iter().map(|(key, parts)| Loss::NoRequest { key, parts }));
+    contents
+}
+
+/// What waits for its end.
+#[derive(Default)]
+struct Open {
+    pending: BTreeMap<RequestKey, Pending>,
+    orphans: BTreeMap<RequestKey, u64>,
+    /// The number of the message that comes next, by the file before.
+    next: Option<u64>,
+}
+
+impl Open {
+    /// Reads one file of a recording.
+    fn read(
+        &mut self,
+        path: &Path,
+        is_last: bool,
+        contents: &mut Contents,
+        progress: &mut impl FnMut(u64),
+        each: &mut impl FnMut(Exchange),
+    ) {
+        let bytes_before = contents.bytes;
+        let mut reader = match Reader::open(path) {
+            Ok(reader) => reader,
+            Err(error) => return contents.error = Some(error),
         };
+        while let Some(record) = reader.next() {
+            match record {
+                Ok(record) => self.take(record, contents, each),
+                Err(error) => {
+                    contents.error = Some(error);
+                    break;
+                }
+            }
+            progress(bytes_before + reader.offset());
+        }
+        let between = self.next.zip(reader.begin());
+        let between = between.map_or(0, |(next, begin)| begin.saturating_sub(next));
+        self.next = reader.heartbeat().map(|beat| beat.sequence);
+        contents.bytes += reader.offset();
+        contents.library = reader.library().to_owned();
+        contents.missing.0 += reader.lost() + between;
+        contents.missing.1 += reader.gaps() + u64::from(between > 0);
+        let all = contents.summary.filter(|_| bytes_before > 0).unwrap_or_default();
+        // One that is cut in the middle of a series has no end.
+        let has_end = bytes_before == 0 || contents.summary.is_some();
+        contents.summary = reader.summary().filter(|_| has_end).map(|own| own.plus(all));
+        contents.skipped += reader.skipped();
+        contents.statuses += reader.statuses();
+        let Coverage { bytes, checked } = reader.coverage();
+        contents.coverage.bytes += bytes;
+        contents.coverage.checked += checked;
+        if contents.description.is_empty() {
+            contents.description = reader.description().clone();
+        }
+        if is_last || contents.error.is_some() {
+            contents.heartbeat = reader.heartbeat();
+        }
+    }
+
+    fn take(&mut self, record: Record, contents: &mut Contents, each: &mut impl FnMut(Exchange)) {
         let (first, last) = contents.times_ns.unwrap_or((record.log_ns, record.log_ns));
         contents.times_ns = Some((first.min(record.log_ns), last.max(record.log_ns)));
         match record.message {
@@ -162,7 +259,7 @@ pub fn read(
                 let assembler = ReplyAssembler::default();
                 let begun = Pending { index, request, assembler, error: None };
                 // A client may ask again under the same key when no reply comes.
-                if let Some(before) = pending.insert(key, begun) {
+                if let Some(before) = self.pending.insert(key, begun) {
                     contents.losses.push(before.loss());
                 }
                 contents.requests += 1;
@@ -170,16 +267,16 @@ pub fn read(
             Message::Reply(part) => {
                 contents.parts += 1;
                 let key = part.key;
-                let Some(waiting) = pending.get_mut(&key) else {
-                    *orphans.entry(key).or_insert(0) += 1;
-                    continue;
+                let Some(waiting) = self.pending.get_mut(&key) else {
+                    *self.orphans.entry(key).or_insert(0) += 1;
+                    return;
                 };
                 let last = part.last;
                 let reply = waiting.push(part);
                 if !last {
-                    continue;
+                    return;
                 }
-                let waiting = pending.remove(&key).expect("it was just there");
+                let waiting = self.pending.remove(&key).expect("it was just there");
                 match reply {
                     Some(reply) => {
                         contents.exchanges += 1;
@@ -190,18 +287,7 @@ pub fn read(
                 }
             }
         }
-        progress(reader.offset());
     }
-    contents.losses.extend(pending.into_values().map(|waiting| waiting.loss()));
-    contents.losses.extend(orphans.into_iter().map(|(key, parts)| Loss::NoRequest { key, parts }));
-    contents.bytes = reader.offset();
-    contents.missing = (reader.lost(), reader.gaps());
-    contents.summary = reader.summary();
-    contents.skipped = reader.skipped();
-    contents.coverage = reader.coverage();
-    contents.heartbeat = reader.heartbeat();
-    contents.description = reader.description().clone();
-    contents
 }
 
 impl Pending {

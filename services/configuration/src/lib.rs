@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
 use answer::{CACHE_BYTES, Caps};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// The planner's settings; those that a file leaves out have their defaults.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
     /// `"event"`, `"hybrid"` or `"poll"`: how the planner waits for requests.
@@ -44,7 +44,7 @@ pub struct Config {
 }
 
 /// How the planner waits for requests.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WaitFor {
     /// Sleep until a request comes.
@@ -73,6 +73,14 @@ pub enum ConfigError {
         path: PathBuf,
         /// What is wrong, and where.
         cause: Box<toml::de::Error>,
+    },
+    /// What a recording says of the planner's settings can't be read.
+    #[error("{}: the planner's settings: {cause}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        cause: serde_json::Error,
     },
     /// A setting is out of range.
     #[error("{}: {field} is {value}; it must be between {least} and {most}", path.display())]
@@ -123,6 +131,11 @@ impl Config {
         Ok(config)
     }
 
+    /// All settings as JSON.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::to_value(self).expect("names and numbers")
+    }
+
     /// How many requests are planned at a time on this machine.
     pub fn workers(&self) -> usize {
         match self.workers {
@@ -156,6 +169,23 @@ impl Config {
     }
 }
 
+/// The caps in what [`Config::to_json`] made, perhaps in a later version; `from` says where it is
+/// from.
+///
+/// # Errors
+///
+/// If it has none, caps that this version does not know, or values out of their range.
+pub fn caps_of(json: &str, from: &Path) -> Result<Caps, ConfigError> {
+    #[derive(Deserialize)]
+    struct Capped {
+        caps: Caps,
+    }
+    let failed = |cause| ConfigError::Json { path: from.to_owned(), cause };
+    let Capped { caps } = serde_json::from_str(json).map_err(failed)?;
+    Config { caps, ..Config::default() }.check(from)?;
+    Ok(caps)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,6 +193,25 @@ mod tests {
     #[test]
     fn defaults_are_in_range() {
         Config::default().check(Path::new("planner.toml")).unwrap();
+    }
+
+    #[test]
+    fn caps_are_read_back() {
+        let caps = Caps { samples: 77, ..Caps::default() };
+        let json = Config { caps, ..Config::default() }.to_json();
+        let from = Path::new("run.mcap");
+        assert_eq!(caps_of(&json.to_string(), from).unwrap(), caps);
+        let mut later = json.clone();
+        later["colour"] = 1.into();
+        assert_eq!(caps_of(&later.to_string(), from).unwrap(), caps);
+        let mut unknown = json.clone();
+        unknown["caps"]["colour"] = 1.into();
+        assert!(caps_of(&unknown.to_string(), from).unwrap_err().to_string().contains("colour"));
+        let mut wrong = json;
+        wrong["caps"]["samples"] = 0.into();
+        assert!(
+            caps_of(&wrong.to_string(), from).unwrap_err().to_string().contains("samples is 0")
+        );
     }
 
     #[test]

@@ -15,6 +15,7 @@ use answer::{CacheStats, StopFlag, StopReason, Store, Workspace};
 use bus::{Domain, Incoming, ReplyError, Server, Woken};
 use configuration::Config;
 use schemas::message::{ErrorCode, Refusal};
+use schemas::status::Status;
 use schemas::wire::{RequestHeader, given};
 
 use crate::at_once::{Ended, Sink};
@@ -231,6 +232,7 @@ impl<'a> Service<'a> {
             queue: self.config.queue,
             cache: self.store.cache_stats(),
         });
+        let status = Status { config: self.config.to_json(), ..status };
         self.server.publish_status(&status.to_json());
         if let Some(latest) = &self.metrics {
             latest.set(status);

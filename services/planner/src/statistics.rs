@@ -135,6 +135,7 @@ impl Statistics {
                 p999: at(0.999),
                 max: micros(self.latency.max()),
             },
+            config: Default::default(),
         }
     }
 }

@@ -21,6 +21,7 @@ struct Channel {
     topic: String,
     /// Which of ours, and the version of its messages.
     ours: Option<(Topic, u32)>,
+    is_status: bool,
     messages: u64,
 }
 
@@ -28,6 +29,8 @@ struct Channel {
 pub(crate) enum Step {
     /// A message.
     Record(Box<Record>),
+    /// What the planner said of itself.
+    Status { json: String, log_ns: u64 },
     /// A message of a channel that is not ours.
     Skipped,
     /// A channel or a schema, or nothing of interest.
@@ -65,12 +68,13 @@ impl Channels {
 
     /// Whether a channel is one of ours.
     pub(crate) fn has_ours(&self) -> bool {
-        self.channels.values().any(|channel| channel.ours.is_some())
+        self.channels.values().any(|channel| channel.ours.is_some() || channel.is_status)
     }
 
     /// Channels of others and their messages so far.
     pub(crate) fn others(&self) -> impl Iterator<Item = (&str, u64)> {
-        let others = self.channels.values().filter(|channel| channel.ours.is_none());
+        let is_other = |channel: &&Channel| channel.ours.is_none() && !channel.is_status;
+        let others = self.channels.values().filter(is_other);
         others.map(|channel| (&*channel.topic, channel.messages))
     }
 
@@ -100,7 +104,8 @@ impl Channels {
                 Err(error) => return Some(Err(error)),
             },
         };
-        let new = || Channel { topic: name.to_owned(), ours, messages: 0 };
+        let is_status = name == topic::STATUS && encoding == "json";
+        let new = || Channel { topic: name.to_owned(), ours, is_status, messages: 0 };
         let known = self.channels.entry(id).or_insert_with(new);
         Some(if (known.ours, &*known.topic) == (ours, name) {
             Ok(())
@@ -153,7 +158,13 @@ impl Channels {
             return Some(Err(ReadError::Damaged { offset, damage }));
         };
         channel.messages += 1;
-        let Some((topic, version)) = channel.ours else { return Some(Ok(Step::Skipped)) };
+        let Some((topic, version)) = channel.ours else {
+            let json = std::str::from_utf8(fields.0).ok().filter(|_| channel.is_status);
+            return Some(Ok(match json {
+                Some(json) => Step::Status { json: json.to_owned(), log_ns },
+                None => Step::Skipped,
+            }));
+        };
         let message = match topic {
             Topic::Request => codec::decode_request(version, fields.0).map(Message::Request),
             Topic::Reply => codec::decode_reply(version, fields.0).map(Message::Reply),

@@ -8,25 +8,8 @@ use std::sync::Arc;
 
 use rustix::fs::{CWD, FlockOperation, RenameFlags};
 use rustix::io::Errno;
-use thiserror::Error;
 
-use crate::write::WriteError;
-
-/// What happened to a file that is being written.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum Trouble {
-    /// It has no name any more.
-    #[error("the file was removed, moved or replaced while it was being written")]
-    Gone,
-    /// Somebody has cut it.
-    #[error("{written} bytes were written, but the file has {found}")]
-    Size {
-        /// Bytes written.
-        written: u64,
-        /// Bytes on the disk.
-        found: u64,
-    },
-}
+use crate::write_error::{Trouble, WriteError};
 
 /// A file that has another name until it is finished, so that nobody takes a part for the whole.
 ///
@@ -34,7 +17,7 @@ pub enum Trouble {
 /// still is what was written.
 #[derive(Debug)]
 pub struct NewFile {
-    output: BufWriter<File>,
+    output: BufWriter<Guarded>,
     /// Where it is until it is finished.
     part: PathBuf,
     path: PathBuf,
@@ -42,7 +25,39 @@ pub struct NewFile {
     sync: bool,
     /// Device and inode; none for what is no file, such as a pipe: it is written as it is.
     is: Option<(u64, u64)>,
+}
+
+/// A file that nobody else may make shorter or longer.
+#[derive(Debug)]
+struct Guarded {
+    file: File,
+    part: PathBuf,
+    is_file: bool,
     written: u64,
+}
+
+impl Guarded {
+    fn check(&self) -> Result<(), WriteError> {
+        let (written, found) = (self.written, self.file.metadata()?.len());
+        if !self.is_file || found == written {
+            return Ok(());
+        }
+        Err(WriteError::File { path: self.part.clone(), trouble: Trouble::Size { written, found } })
+    }
+}
+
+impl Write for Guarded {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Before: behind a cut, the next bytes would leave a hole of the same size.
+        self.check().map_err(io::Error::other)?;
+        let taken = self.file.write(bytes)?;
+        self.written += taken as u64;
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 impl NewFile {
@@ -51,14 +66,16 @@ impl NewFile {
             path: path.to_owned(),
             source: Arc::new(error),
         };
-        let with = |file, part, is| Self {
-            output: BufWriter::with_capacity(64 << 10, file),
+        let with = |file, part: PathBuf, is: Option<(u64, u64)>| Self {
+            output: BufWriter::with_capacity(
+                64 << 10,
+                Guarded { file, part: part.clone(), is_file: is.is_some(), written: 0 },
+            ),
             part,
             path: path.to_owned(),
             overwrite,
             sync,
             is,
-            written: 0,
         };
         match fs::metadata(path) {
             Ok(_) if !overwrite => return Err(WriteError::Exists { path: path.to_owned() }),
@@ -96,25 +113,21 @@ impl NewFile {
         Ok(with(file, part, Some((found.dev(), found.ino()))))
     }
 
-    /// Where it is until it is finished.
-    pub(crate) fn part(&self) -> &Path {
-        &self.part
+    /// Where it is until it is finished; none for what is no file.
+    pub(crate) fn part(&self) -> Option<&Path> {
+        self.is.map(|_| &*self.part)
     }
 
     /// Whether the file still is what was written.
     fn check(&self) -> Result<(), WriteError> {
         let Some(is) = self.is else { return Ok(()) };
-        let trouble = |trouble| WriteError::File { path: self.part.clone(), trouble };
-        let found = match fs::symlink_metadata(&self.part) {
-            Ok(found) if (found.dev(), found.ino()) == is => found.len(),
-            Ok(_) => return Err(trouble(Trouble::Gone)),
-            Err(error) if matches!(error.kind(), io::ErrorKind::NotFound) => {
-                return Err(trouble(Trouble::Gone));
-            }
-            Err(error) => return Err(error.into()),
-        };
-        let written = self.written;
-        if found == written { Ok(()) } else { Err(trouble(Trouble::Size { written, found })) }
+        let gone = WriteError::File { path: self.part.clone(), trouble: Trouble::Gone };
+        match fs::symlink_metadata(&self.part) {
+            Ok(found) if (found.dev(), found.ino()) == is => self.output.get_ref().check(),
+            Ok(_) => Err(gone),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Err(gone),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// Gives the finished file its name.
@@ -124,7 +137,7 @@ impl NewFile {
             return Ok(());
         }
         if self.sync {
-            self.output.get_ref().sync_all()?;
+            self.output.get_ref().file.sync_all()?;
         }
         let (part, path) = (&self.part, &self.path);
         if self.overwrite {
@@ -152,15 +165,13 @@ impl NewFile {
 
 impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let taken = self.output.write(bytes)?;
-        self.written += taken as u64;
-        Ok(taken)
+        self.output.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
         self.output.flush()?;
         if self.sync {
-            self.output.get_ref().sync_data()?;
+            self.output.get_ref().file.sync_data()?;
         }
         self.check().map_err(io::Error::other)
     }

@@ -19,6 +19,12 @@ pub const MOST_MESSAGE_BYTES: usize = codec::MOST_BYTES;
 /// Bytes of a message's record in front of the message.
 pub(crate) const MESSAGE_HEAD: usize = 9 + 22;
 
+/// The longest status, bytes.
+pub(crate) const MOST_STATUS_BYTES: usize = 1 << 20;
+
+/// Name of the schema of statuses.
+pub(crate) const STATUS_SCHEMA: &str = "clearway.Status";
+
 /// The longest record that is read. One flipped bit in a length can claim 2^56 bytes;
 /// below this limit memory is taken only for bytes that the file really has.
 pub(crate) const MOST_RECORD_BYTES: usize = MOST_MESSAGE_BYTES + (2 << 20);

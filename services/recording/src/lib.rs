@@ -48,20 +48,24 @@ mod parts;
 mod read;
 mod record;
 mod recover;
+mod series;
 mod source;
 mod summary;
 #[cfg(test)]
 mod tests;
 mod write;
+mod write_error;
 
 pub use coverage::Coverage;
 pub use error::{Damage, ReadError};
-pub use file::{NewFile, Trouble};
+pub use file::NewFile;
 pub use format::{CHUNK_BYTES, FLUSH_INTERVAL, MOST_MESSAGE_BYTES};
 pub use options::{Compression, Options};
 pub use parts::Dropped;
 pub use read::Reader;
 pub use record::{Heartbeat, Message, Record};
 pub use recover::{RecoverError, Recovered, recover};
+pub use series::{FILE_KEY, SERIES_KEY, Series, Split};
 pub use summary::Summary;
-pub use write::{WriteError, Writer};
+pub use write::Writer;
+pub use write_error::{Trouble, WriteError};

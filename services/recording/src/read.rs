@@ -49,8 +49,10 @@ pub struct Reader<R: Read = File> {
     channels: Channels,
     gaps: Gaps,
     marks: Marks,
+    begin: Option<u64>,
     coverage: Coverage,
     skipped: u64,
+    statuses: u64,
     claimed: Option<Summary>,
     data_ended: bool,
     done: bool,
@@ -96,8 +98,10 @@ impl<R: Read> Reader<R> {
             channels: Channels::default(),
             gaps: Gaps::default(),
             marks: Marks::default(),
+            begin: None,
             coverage: Coverage::default(),
             skipped: 0,
+            statuses: 0,
             claimed: None,
             data_ended: false,
             done: false,
@@ -133,6 +137,12 @@ impl<R: Read> Reader<R> {
         self.marks.last.map(|mark| mark.id)
     }
 
+    /// The number of its first message, known with [`Self::id`]: a recording in several files goes
+    /// on counting.
+    pub fn begin(&self) -> Option<u64> {
+        self.begin
+    }
+
     /// The recorder's last sign of life so far.
     pub fn heartbeat(&self) -> Option<Heartbeat> {
         self.marks.last.map(Heartbeat::from)
@@ -146,6 +156,11 @@ impl<R: Read> Reader<R> {
     /// Channels of others that were skipped, and their messages so far.
     pub fn others(&self) -> impl Iterator<Item = (&str, u64)> {
         self.channels.others()
+    }
+
+    /// Statuses of the planner so far, which are not returned.
+    pub fn statuses(&self) -> u64 {
+        self.statuses
     }
 
     /// Messages of other channels skipped so far.
@@ -278,6 +293,7 @@ impl<R: Read> Reader<R> {
         let is_first = self.marks.last.is_none();
         self.marks.take(mark, offset)?;
         if is_first {
+            self.begin = Some(mark.sequence);
             self.gaps.begin(mark.sequence);
             return Ok(());
         }
@@ -326,6 +342,7 @@ impl<R: Read> Reader<R> {
                     self.gaps.before(record.sequence);
                     return Ok(Some(*record));
                 }
+                Step::Status { .. } => self.statuses += 1,
                 Step::Skipped => self.skipped += 1,
                 Step::Other => {}
             }

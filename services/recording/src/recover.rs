@@ -22,7 +22,8 @@ use crate::read::Reader;
 use crate::record::{Heartbeat, Message, Record};
 use crate::source::Source;
 use crate::summary::Summary;
-use crate::write::{WriteError, Writer};
+use crate::write::Writer;
+use crate::write_error::WriteError;
 
 /// Key in the description of a recovered recording that holds messages for which no checksum
 /// vouches: how many parts of the old file they are from.
@@ -278,6 +279,11 @@ impl Copy {
                             writer.write_request(request, record.log_ns)?;
                         }
                         Message::Reply(reply) => writer.write_reply(reply, record.log_ns)?,
+                    }
+                }
+                Ok(Step::Status { json, log_ns }) => {
+                    if let Some(writer) = writer {
+                        writer.write_status(&json, log_ns)?;
                     }
                 }
                 Ok(Step::Skipped) => self.skipped += 1,

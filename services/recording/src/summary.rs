@@ -48,6 +48,15 @@ impl Summary {
         Some(summary)
     }
 
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            recorded: self.recorded + other.recorded,
+            lost: self.lost + other.lost,
+            gaps: self.gaps + other.gaps,
+        }
+    }
+
     pub(crate) fn to_metadata(self) -> BTreeMap<String, String> {
         [("recorded", self.recorded), ("lost", self.lost), ("gaps", self.gaps)]
             .map(|(name, value)| (name.to_owned(), value.to_string()))

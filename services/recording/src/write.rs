@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,92 +10,17 @@ use mcap::McapError;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use schemas::message::{ReplyPart, Request};
+use schemas::status::Status;
 use schemas::{codec, topic};
-use thiserror::Error;
 
-use crate::file::{NewFile, Trouble};
-use crate::format::{MESSAGE_HEAD, MOST_MESSAGE_BYTES, Topic, VERSION_KEY};
+use crate::file::NewFile;
+use crate::format::{
+    MESSAGE_HEAD, MOST_MESSAGE_BYTES, MOST_STATUS_BYTES, STATUS_SCHEMA, Topic, VERSION_KEY,
+};
 use crate::mark::{self, Mark};
 use crate::options::{Compression, Options};
 use crate::summary::{self, DESCRIPTION_NAME, SUMMARY_NAME, Summary};
-
-/// Why a recording can't be written.
-#[derive(Debug, Clone, Error)]
-pub enum WriteError {
-    /// The file exists already.
-    #[error("{} exists already and is not overwritten", path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Another recorder is writing it.
-    #[error("another program is recording to {}", path.display())]
-    Locked {
-        /// The unfinished file.
-        path: PathBuf,
-    },
-    /// A recorder that was killed has left it unfinished.
-    #[error(
-        "{} is left of a recording that was not finished: `replay recover` finishes it, --overwrite \
-         replaces it",
-        path.display()
-    )]
-    Unfinished {
-        /// The unfinished file.
-        path: PathBuf,
-    },
-    /// The file is no longer what was written. This is final.
-    #[error("{}: {trouble}; what was recorded since is lost", path.display())]
-    File {
-        /// The unfinished file.
-        path: PathBuf,
-        /// What happened to it.
-        trouble: Trouble,
-    },
-    /// The file can't be created.
-    #[error("can't create {}: {source}", path.display())]
-    Create {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: Arc<io::Error>,
-    },
-    /// Writing failed. This is final: the file is intact up to the last flush, and nothing
-    /// is written after it.
-    #[error("can't write the recording: {source}")]
-    Output {
-        /// What the system says.
-        source: Arc<io::Error>,
-    },
-    /// The message is larger than readers accept. It is not written and counts as lost;
-    /// later ones are written.
-    #[error("a message has {bytes} bytes, the most that can be recorded is {most}")]
-    TooLarge {
-        /// Bytes of the message.
-        bytes: usize,
-        /// Bytes allowed.
-        most: usize,
-    },
-}
-
-impl From<McapError> for WriteError {
-    fn from(error: McapError) -> Self {
-        match error {
-            McapError::Io(source) => source.into(),
-            other => io::Error::other(other).into(),
-        }
-    }
-}
-
-impl From<io::Error> for WriteError {
-    fn from(source: io::Error) -> Self {
-        // What the file noticed itself.
-        match source.downcast::<Self>() {
-            Ok(error) => error,
-            Err(source) => Self::Output { source: Arc::new(source) },
-        }
-    }
-}
+use crate::write_error::WriteError;
 
 /// Writes a recording.
 ///
@@ -116,6 +41,9 @@ pub struct Writer<W: Write = NewFile> {
     /// What ends the output itself.
     end: fn(W) -> Result<(), WriteError>,
     channels: [u16; 2],
+    status_channel: u16,
+    /// Statuses so far.
+    statuses: u32,
     /// The message being encoded.
     bytes: Vec<u8>,
     /// Bytes of the open chunk, and of the largest that is not closed.
@@ -148,11 +76,13 @@ impl Writer {
     /// left alone unless `options` say otherwise.
     pub fn create(path: impl AsRef<Path>, options: Options) -> Result<Self, WriteError> {
         let file = NewFile::create(path.as_ref(), options.overwrite, options.sync)?;
-        let unfinished = file.part().to_owned();
-        let mut writer = Self::begin(file, options, NewFile::commit)?;
-        // A file without a beginning would be left; an empty recording is one.
-        writer.flush().inspect_err(|_| drop(std::fs::remove_file(unfinished)))?;
-        Ok(writer)
+        let part = file.part().map(Path::to_owned);
+        // A file without a beginning is no recording; with one, it is an empty one.
+        Self::begin(file, options, NewFile::commit).inspect_err(|_| {
+            if let Some(part) = part {
+                let _ = std::fs::remove_file(part);
+            }
+        })
     }
 }
 
@@ -210,10 +140,15 @@ impl<W: Write> Writer<W> {
             let schema = writer.add_schema(topic.schema_name(), topic::ENCODING, data)?;
             *channel = writer.add_channel(schema, topic.name(), topic::ENCODING, &version)?;
         }
+        let schema = Status::schema();
+        let schema = writer.add_schema(STATUS_SCHEMA, "jsonschema", schema.as_bytes())?;
+        let status_channel = writer.add_channel(schema, topic::STATUS, "json", &BTreeMap::new())?;
         let mut writer = Self {
             state: State::Open(Box::new(writer)),
             end,
             channels,
+            status_channel,
+            statuses: 0,
             bytes: Vec::new(),
             chunk: 0,
             chunk_bytes,
@@ -272,6 +207,32 @@ impl<W: Write> Writer<W> {
         self.summary.recorded += 1;
         self.in_gap = false;
         Ok(())
+    }
+
+    /// Appends what a planner says of itself, a JSON object, that the recorder took at `log_ns`.
+    /// It is none of the bus's messages that are numbered.
+    pub fn write_status(&mut self, json: &str, log_ns: u64) -> Result<(), WriteError> {
+        if json.len() > MOST_STATUS_BYTES {
+            let (bytes, most) = (json.len(), MOST_STATUS_BYTES);
+            return Err(WriteError::TooLarge { bytes, most });
+        }
+        let header = MessageHeader {
+            channel_id: self.status_channel,
+            sequence: self.statuses,
+            log_time: log_ns,
+            publish_time: log_ns,
+        };
+        let json = json.as_bytes();
+        self.state.run(|writer| writer.write_to_known_channel(&header, json))?;
+        self.chunk += (MESSAGE_HEAD + json.len()) as u64;
+        self.statuses = self.statuses.wrapping_add(1);
+        (self.time_ns, self.is_marked) = (log_ns, false);
+        Ok(())
+    }
+
+    /// Bytes of the open chunk, which are not in the file yet.
+    pub fn unwritten(&self) -> u64 {
+        self.chunk
     }
 
     /// Closes the chunk and writes the mark behind it, which says how far the recording is.
@@ -359,7 +320,7 @@ impl<W: Write> Writer<W> {
 }
 
 /// A random number.
-fn random() -> Result<u128, getrandom::Error> {
+pub(crate) fn random() -> Result<u128, getrandom::Error> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes)?;
     Ok(u128::from_le_bytes(bytes))

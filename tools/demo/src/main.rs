@@ -104,7 +104,7 @@ fn run(arguments: Arguments) -> Result<Exit, Error> {
     drop(tidy);
 
     let plan = |request: &_| answer::reply_to(request, &answer::Caps::default());
-    let checked = check::check(&recording, Tolerance::Exact, plan, |_| {});
+    let checked = check::check(std::slice::from_ref(&recording), Tolerance::Exact, plan, |_| {});
     output::print(&rows, &directory, &checked).map_err(PrintError)?;
     let contents = &checked.contents;
     let done = Exit::Done.code();

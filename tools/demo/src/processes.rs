@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use bus::{CallError, Domain, Server};
 use configuration::Config;
 use program::{Diagnostics, Exit, LogFormat};
-use recorder::Settings;
+use recorder::{Ended, Settings};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::Error;
@@ -68,14 +68,7 @@ fn serve(domain: &Domain) -> Result<Exit, Error> {
 }
 
 fn record(domain: Domain, output: PathBuf) -> Result<Exit, Error> {
-    let summary = recorder::run(&Settings {
-        output,
-        domain,
-        overwrite: false,
-        duration: None,
-        flush: recording::FLUSH_INTERVAL,
-        wait: Duration::from_secs(10),
-    })?;
+    let Ended { summary, .. } = recorder::run(&Settings::new(output, domain))?;
     Ok(if summary.lost == 0 { Exit::Done } else { Exit::Lost })
 }
 
@@ -140,7 +133,8 @@ impl Drop for Tidy<'_> {
 /// Waits until the recorder has opened its file: from then on it sees everything.
 pub(crate) fn wait_for_file(path: &Path, patience: Duration) -> Result<(), Error> {
     let until = Instant::now() + patience;
-    while !path.exists() {
+    let part = path.with_added_extension("part");
+    while !part.exists() {
         if bus::terminated() {
             return Err(CallError::Interrupted.into());
         }

@@ -66,6 +66,7 @@ fn table(domain: &Domain, status: &Status) -> String {
         unsent,
         cache,
         latency,
+        config: _,
     } = status;
     let mut lines = vec![
         format!("planner {version} in domain {domain}, process {pid}, up {}", seconds(*uptime)),

@@ -7,10 +7,11 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use bus::Domain;
-use clap::Parser;
-use program::{Diagnostics, Exit, LogFormat, PrintError};
-use recorder::Settings;
-use recording::{FLUSH_INTERVAL, Summary};
+use clap::{Parser, ValueEnum};
+use program::{Diagnostics, Exit, LogFormat, PrintError, warn};
+use recorder::{EndReason, Ended, Settings, Snapshot, Topic, Topics, size};
+use recording::{CHUNK_BYTES, Compression, FLUSH_INTERVAL, Split};
+use schemas::message::ErrorCode;
 
 /// Records all requests and replies of a planner to an MCAP file until a signal (SIGINT,
 /// SIGTERM or SIGHUP) asks it to end; then finishes the file
@@ -21,16 +22,23 @@ use recording::{FLUSH_INTERVAL, Summary};
     after_help = "\
 Examples:
   recorder -o run.mcap
-  recorder -o run.mcap --for 60s --flush 100ms
+  recorder -o run.mcap --duration 60s --flush 100ms --compression lz4
+  recorder -o run.mcap --split-size 1GiB --max-files 10 --min-free-space 5GiB
+  recorder -o late.mcap --snapshot 30s --snapshot-on no_route,deadline_exceeded
 
-If the recorder is killed, the file has everything up to the last flush; `replay recover`
-finishes it. Messages that came too fast are counted; the count is printed and written to the
-file.
+Until it is finished, run.mcap is run.mcap.part. If the recorder is killed, that has everything up
+to the last flush, and how much the planner had sent by then; `replay recover` finishes it.
+Messages that came too fast, and those that a planner had sent when it was lost, are counted; the
+count is printed and written to the file.
+
+A split recording is run-0000.mcap, run-0001.mcap and so on, each readable alone. A file ends
+where no request waits for its reply, if there is such a moment in the last tenth of it.
 
 Domains are found under CLEARWAY_ROOT; by default, under clearway in XDG_RUNTIME_DIR, or
 /tmp/clearway-UID. `plan --list` shows them.
 
-The summary goes to stdout, diagnostics to stderr; RUST_LOG chooses them (RUST_LOG=debug).
+The summary goes to stdout, progress and diagnostics to stderr; RUST_LOG chooses them
+(RUST_LOG=debug). Times have units (250ms, 10s, 1h), and so have sizes (64MiB, 1GB).
 Exit codes: 0 done, 1 failure, 2 usage, 3 messages were lost."
 )]
 struct Arguments {
@@ -40,15 +48,56 @@ struct Arguments {
     /// The planner's domain
     #[arg(long, value_name = "NAME")]
     domain: Option<Domain>,
-    /// Replace an existing file
+    /// Replace existing files
     #[arg(long)]
     overwrite: bool,
-    /// End after this time [default: at a signal]
-    #[arg(long = "for", value_name = "TIME", value_parser = humantime::parse_duration)]
+    /// EndReason after this time [default: at a signal]
+    #[arg(long, visible_alias = "for", value_name = "TIME", value_parser = humantime::parse_duration)]
     duration: Option<Duration>,
+    /// EndReason after so many messages
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..))]
+    max_messages: Option<u64>,
+    /// EndReason when the planner ends and no other takes over within 2 s
+    #[arg(long)]
+    exit_with_planner: bool,
+    /// Record only these
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',', value_enum)]
+    topics: Vec<TopicName>,
     /// How often to flush: as much is lost if the recorder is killed [default: 250ms]
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     flush: Option<Duration>,
+    /// Wait at each flush until the disk has it, so that a power cut costs no more than a kill
+    #[arg(long)]
+    fsync: bool,
+    /// How chunks are compressed
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::None)]
+    compression: Method,
+    /// The size of chunks, from 1KiB to 64MiB; a larger message has one of its own [default: 1MiB]
+    #[arg(long, value_name = "SIZE", value_parser = chunk_size)]
+    chunk_size: Option<u64>,
+    /// Begin another file at this size
+    #[arg(long, value_name = "SIZE", value_parser = size::parse)]
+    split_size: Option<u64>,
+    /// Begin another file after this time
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    split_duration: Option<Duration>,
+    /// Remove the oldest file where there would be more
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
+    max_files: Option<u32>,
+    /// EndReason when the disk has less than this left
+    #[arg(long, value_name = "SIZE", value_parser = size::parse)]
+    min_free_space: Option<u64>,
+    /// Keep what came in this time in memory, and write it on SIGUSR1: FILE-0000 and so on
+    #[arg(
+        long,
+        value_name = "TIME",
+        value_parser = humantime::parse_duration,
+        conflicts_with_all = ["split_size", "split_duration", "max_messages"]
+    )]
+    snapshot: Option<Duration>,
+    /// Write it as well when a request is refused with one of these codes
+    #[arg(long, value_name = "CODES", value_delimiter = ',', value_parser = code, requires = "snapshot")]
+    snapshot_on: Vec<ErrorCode>,
     /// How long to wait for a planner to start
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "10s")]
     wait: Duration,
@@ -57,25 +106,124 @@ struct Arguments {
     log_format: LogFormat,
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Method {
+    None,
+    Lz4,
+    Zstd,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum TopicName {
+    Request,
+    Reply,
+    Status,
+}
+
+fn chunk_size(text: &str) -> Result<u64, String> {
+    let bytes = size::parse(text)?;
+    let range = 1 << 10..=64 << 20;
+    if range.contains(&bytes) { Ok(bytes) } else { Err("must be from 1KiB to 64MiB".to_owned()) }
+}
+
+fn code(text: &str) -> Result<ErrorCode, String> {
+    let found = ErrorCode::ALL.iter().find(|code| code.name() == text);
+    found.copied().ok_or_else(|| {
+        let names: Vec<_> = ErrorCode::ALL.iter().map(|code| code.name()).collect();
+        format!("the codes are {}", names.join(", "))
+    })
+}
+
+impl Arguments {
+    fn settings(self) -> Settings {
+        let Self {
+            output,
+            domain,
+            overwrite,
+            duration,
+            max_messages,
+            exit_with_planner,
+            topics,
+            flush,
+            fsync,
+            compression,
+            chunk_size,
+            split_size,
+            split_duration,
+            max_files,
+            min_free_space,
+            snapshot,
+            snapshot_on,
+            wait,
+            log_format: _,
+        } = self;
+        let topics: Topics = match topics[..] {
+            [] => Topics::default(),
+            _ => topics
+                .into_iter()
+                .map(|topic| match topic {
+                    TopicName::Request => Topic::Request,
+                    TopicName::Reply => Topic::Reply,
+                    TopicName::Status => Topic::Status,
+                })
+                .collect(),
+        };
+        Settings {
+            overwrite,
+            duration,
+            max_messages,
+            flush: flush.unwrap_or(FLUSH_INTERVAL),
+            sync: fsync,
+            wait,
+            exit_with_planner,
+            topics,
+            compression: match compression {
+                Method::None => Compression::None,
+                Method::Lz4 => Compression::Lz4,
+                Method::Zstd => Compression::Zstd,
+            },
+            chunk_bytes: chunk_size.unwrap_or(CHUNK_BYTES),
+            split: Split {
+                bytes: split_size,
+                time: split_duration,
+                files: max_files.map(|files| files as usize),
+            },
+            min_free: min_free_space,
+            snapshot: snapshot.map(|time| Snapshot { time, on: snapshot_on }),
+            ..Settings::new(output, domain.unwrap_or_default())
+        }
+    }
+}
+
 fn main() -> ExitCode {
     program::main("recorder", || {
         let arguments = Arguments::parse();
         program::start_diagnostics(Diagnostics::Events, arguments.log_format);
         bus::forward_to_tracing();
-        run(arguments)
+        run(arguments.settings())
     })
 }
 
-fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
-    let Arguments { output, domain, overwrite, duration, flush, wait, log_format: _ } = arguments;
-    let domain = domain.unwrap_or_default();
-    let flush = flush.unwrap_or(FLUSH_INTERVAL);
-    let settings = Settings { output, domain, overwrite, duration, flush, wait };
-    let Summary { recorded, lost, .. } = recorder::run(&settings)?;
+fn run(settings: Settings) -> Result<Exit, Box<dyn Error>> {
+    let Ended { summary, files, removed, end } = recorder::run(&settings)?;
+    let mut exit = if summary.lost == 0 { Exit::Done } else { Exit::Lost };
+    if let EndReason::NoSpace { free, least } = end {
+        warn(format_args!("recorder: {free} bytes are free, {least} are to stay free"));
+        exit = Exit::Failure;
+    }
     let path = settings.output.display();
-    let exit = if lost == 0 { Exit::Done } else { Exit::Lost };
-    let printed = writeln!(io::stdout(), "{path}: {recorded} messages recorded, {lost} lost");
-    match printed.map_err(PrintError) {
+    let mut said = format!("{path}: {} messages recorded, {} lost", summary.recorded, summary.lost);
+    match (&settings.snapshot, settings.split.is_never()) {
+        (Some(_), _) => said += &format!(", in {files} snapshots"),
+        (None, false) => {
+            said += &format!(", in {files} files");
+            if removed > 0 {
+                said += &format!(", of which the first {removed} were removed");
+            }
+        }
+        (None, true) => {}
+    }
+    match writeln!(io::stdout(), "{said}").map_err(PrintError) {
         // What was lost counts, even if nobody reads on.
         Err(error) if !error.is_closed() => Err(error.into()),
         _ => Ok(exit),

@@ -51,8 +51,8 @@ pub(crate) enum Command {
         paths: Vec<PathBuf>,
         #[command(flatten)]
         compare: Compare,
-        /// Configuration of the planner that was recorded: its table `caps` bounds what a request may
-        /// cost; other settings don't change replies
+        /// Plan under the table `caps` of this planner's configuration [default: as the recording
+        /// says; where it says nothing, a planner's defaults]
         #[arg(long, value_name = "FILE")]
         config: Option<PathBuf>,
         /// Print lines for people, one JSON object, or JUnit XML

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use answer::Answerer;
+use answer::{Answerer, Caps};
 use clap::Parser;
 use comparison::compare::Tolerance;
 use comparison::{check, diff, exchanges};
@@ -34,7 +34,7 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
         }
         Command::Info { file, format, strict } => {
             findings.strict = strict.strict;
-            let bar = progress(&file);
+            let bar = progress(std::slice::from_ref(&file));
             let contents = exchanges::read(&file, |at| bar.set_position(at), drop);
             bar.finish_and_clear();
             complain(&file, &contents);
@@ -46,7 +46,7 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
         }
         Command::Diff { a, b, compare, format, strict } => {
             findings.strict = strict.strict;
-            let bar = progress(&b);
+            let bar = progress(std::slice::from_ref(&b));
             let compared = diff::diff([&a, &b], compare.tolerance(), |at| bar.set_position(at));
             bar.finish_and_clear();
             let paths = [a.as_path(), &b];
@@ -83,16 +83,22 @@ fn checked(
     config: Option<&Path>,
     findings: &mut Findings,
 ) -> Result<Vec<check::Checked>, Box<dyn Error>> {
-    let caps = config.map(Config::read).transpose()?.unwrap_or_default().caps;
+    let asked = config.map(Config::read).transpose()?.map(|config| config.caps);
     let mut checked = Vec::new();
-    for path in check::find(paths)? {
-        let bar = progress(&path);
+    for files in exchanges::recordings(&check::find(paths)?) {
+        let path = &files[0];
+        let recorded = || match exchanges::description(path).get("config") {
+            Some(json) => configuration::caps_of(json, path),
+            None => Ok(Caps::default()),
+        };
+        let caps = asked.map_or_else(recorded, Ok)?;
+        let bar = progress(&files);
         // A file has the free spaces that its requests name.
         let mut answerer = Answerer::new(&caps);
         let plan = |request: &Request| answerer.reply_to(request);
-        let file = check::check(&path, tolerance, plan, |at| bar.set_position(at));
+        let file = check::check(&files, tolerance, plan, |at| bar.set_position(at));
         bar.finish_and_clear();
-        complain(&path, &file.contents);
+        complain(path, &file.contents);
         findings.add(&file.contents);
         findings.regression |= file.counts().different > 0;
         checked.push(file);
@@ -111,9 +117,10 @@ fn complain(path: &Path, contents: &exchanges::Contents) {
 }
 
 /// A bar on stderr for files that take a while, if that is a terminal.
-fn progress(path: &Path) -> ProgressBar {
+fn progress(files: &[PathBuf]) -> ProgressBar {
     const WORTH_IT: u64 = 32 << 20;
-    let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+    let length = |path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+    let length = files.iter().map(length).sum();
     if length < WORTH_IT || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

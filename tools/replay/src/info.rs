@@ -50,6 +50,9 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
     for (name, value) in &contents.description {
         line(name, value.clone())?;
     }
+    if contents.statuses > 0 {
+        line("statuses", contents.statuses.to_string())?;
+    }
     if contents.skipped > 0 {
         line("others", format!("{} messages of other channels", contents.skipped))?;
     }
@@ -70,6 +73,7 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         missing: _,
         summary,
         skipped,
+        statuses,
         coverage,
         heartbeat,
         description,
@@ -92,6 +96,7 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         "gaps": gaps(contents),
         "incomplete": losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "other_messages": skipped,
+        "statuses": statuses,
         "bytes_of_messages": coverage.bytes,
         "unchecked_bytes": coverage.bytes - coverage.checked,
         "unrecorded": contents.unrecorded(),
