@@ -16,6 +16,8 @@ pub const STATUS: &str = "/planner/status";
 pub const REQUEST: &str = "/planner/request";
 /// Topic of recorded reply parts.
 pub const REPLY: &str = "/planner/reply";
+/// Topic of recorded free spaces that requests name: the requests that had made them known.
+pub const FREE_SPACE: &str = "/planner/free_space";
 /// Profile of recordings.
 pub const PROFILE: &str = "planning";
 /// Message and schema encoding of recordings.

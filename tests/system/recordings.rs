@@ -180,6 +180,39 @@ fn nothing_is_lost_between_the_files_of_a_split_recording() {
 }
 
 #[test]
+fn each_file_has_the_free_spaces_that_its_requests_name() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let arguments = ["--split-duration", "200ms", "--max-files", "2", "--flush", "10ms"];
+    let recorder = test.recorder("run.mcap", &arguments);
+    let snapshots = test.recorder("late.mcap", &["--snapshot", "100ms", "--flush", "10ms"]);
+    let mut upload = scene("disassemble-channels.json");
+    let digest = upload.free_space.digest();
+    upload.free_space.named = Some(digest);
+    let mut named = upload.clone();
+    named.free_space = schemas::message::FreeSpace { named: Some(digest), ..Default::default() };
+    let client = test.connect();
+    assert!(client.call(&upload, LONG).unwrap().answers.is_ok());
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    wait_for("the third file", || {
+        assert!(client.call(&named, LONG).unwrap().answers.is_ok());
+        test.path("run-0003.mcap.part").exists().then_some(())
+    });
+    snapshots.signal(Signal::USR1);
+    wait_for("the snapshot", || test.path("late-0000.mcap").exists().then_some(()));
+    recorder.stop();
+    snapshots.stop();
+    let mut compared = 0;
+    for path in finished(&test) {
+        let checked = test.run("replay", &["check", path.to_str().unwrap()]);
+        // A file can begin or end within an exchange; what is there is as it was planned.
+        assert!(matches!(checked.code, Some(0 | 3)), "{checked:?}");
+        compared += usize::from(checked.stdout.contains(" equal"));
+    }
+    assert!(compared > 0, "no file has a whole exchange");
+}
+
+#[test]
 fn the_oldest_files_are_removed() {
     let test = TestDomain::new();
     let _planner = test.planner(&[]);

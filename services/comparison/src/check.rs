@@ -150,6 +150,10 @@ pub fn check(
 ) -> Checked {
     let mut cases = Vec::new();
     let contents = exchanges::read_all(files, progress, |exchange| {
+        for upload in &exchange.uploads {
+            // So that its free space is known.
+            plan(upload);
+        }
         let planned = plan(&exchange.request);
         let outcome = compare(&exchange.reply, &planned, tolerance);
         cases.push(Case { index: exchange.index, key: exchange.request.key, outcome });

@@ -18,6 +18,9 @@ pub struct Exchange {
     pub request: Request,
     /// What was answered.
     pub reply: Reply,
+    /// Requests before the recording that had made free spaces known to which requests up to this
+    /// one refer.
+    pub uploads: Vec<Request>,
 }
 
 /// A request without its whole reply, or parts of a reply without their request.
@@ -196,6 +199,8 @@ pub fn read_all(
 struct Open {
     pending: BTreeMap<RequestKey, Pending>,
     orphans: BTreeMap<RequestKey, u64>,
+    /// Not handed on yet.
+    uploads: Vec<Request>,
     /// The number of the message that comes next, by the file before.
     next: Option<u64>,
 }
@@ -216,6 +221,7 @@ impl Open {
             Err(error) => return contents.error = Some(error),
         };
         while let Some(record) = reader.next() {
+            self.uploads.extend(reader.take_free_spaces());
             match record {
                 Ok(record) => self.take(record, contents, each),
                 Err(error) => {
@@ -281,7 +287,8 @@ impl Open {
                     Some(reply) => {
                         contents.exchanges += 1;
                         let (index, request) = (waiting.index, waiting.request);
-                        each(Exchange { index, request, reply });
+                        let uploads = std::mem::take(&mut self.uploads);
+                        each(Exchange { index, request, reply, uploads });
                     }
                     None => contents.losses.push(waiting.loss()),
                 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use mcap::records::op;
+use schemas::message::Request;
 use schemas::{codec, topic};
 
 use crate::error::{Damage, ReadError};
@@ -22,6 +23,8 @@ struct Channel {
     /// Which of ours, and the version of its messages.
     ours: Option<(Topic, u32)>,
     is_status: bool,
+    /// The version of the requests that made free spaces known, if it has those.
+    uploads: Option<u32>,
     messages: u64,
 }
 
@@ -29,6 +32,8 @@ struct Channel {
 pub(crate) enum Step {
     /// A message.
     Record(Box<Record>),
+    /// A request that made a free space known.
+    FreeSpace { request: Box<Request>, log_ns: u64 },
     /// What the planner said of itself.
     Status { json: String, log_ns: u64 },
     /// A message of a channel that is not ours.
@@ -73,7 +78,9 @@ impl Channels {
 
     /// Channels of others and their messages so far.
     pub(crate) fn others(&self) -> impl Iterator<Item = (&str, u64)> {
-        let is_other = |channel: &&Channel| channel.ours.is_none() && !channel.is_status;
+        let is_other = |channel: &&Channel| {
+            channel.ours.is_none() && !channel.is_status && channel.uploads.is_none()
+        };
         let others = self.channels.values().filter(is_other);
         others.map(|channel| (&*channel.topic, channel.messages))
     }
@@ -105,7 +112,16 @@ impl Channels {
             },
         };
         let is_status = name == topic::STATUS && encoding == "json";
-        let new = || Channel { topic: name.to_owned(), ours, is_status, messages: 0 };
+        let uploads = match name {
+            topic::FREE_SPACE => {
+                match self.identify(Topic::Request, schema, encoding, version, offset) {
+                    Ok(version) => Some(version),
+                    Err(error) => return Some(Err(error)),
+                }
+            }
+            _ => None,
+        };
+        let new = || Channel { topic: name.to_owned(), ours, is_status, uploads, messages: 0 };
         let known = self.channels.entry(id).or_insert_with(new);
         Some(if (known.ours, &*known.topic) == (ours, name) {
             Ok(())
@@ -158,6 +174,15 @@ impl Channels {
             return Some(Err(ReadError::Damaged { offset, damage }));
         };
         channel.messages += 1;
+        if let Some(version) = channel.uploads {
+            return Some(match codec::decode_request(version, fields.0) {
+                Ok(request) => Ok(Step::FreeSpace { request: Box::new(request), log_ns }),
+                Err(source) => {
+                    let topic = topic::FREE_SPACE;
+                    Err(ReadError::Message { offset, topic, sequence, source })
+                }
+            });
+        }
         let Some((topic, version)) = channel.ours else {
             let json = std::str::from_utf8(fields.0).ok().filter(|_| channel.is_status);
             return Some(Ok(match json {

@@ -53,6 +53,7 @@ mod source;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod uploads;
 mod write;
 mod write_error;
 
@@ -67,5 +68,6 @@ pub use record::{Heartbeat, Message, Record};
 pub use recover::{RecoverError, Recovered, recover};
 pub use series::{FILE_KEY, SERIES_KEY, Series, Split};
 pub use summary::Summary;
+pub use uploads::Uploads;
 pub use write::Writer;
 pub use write_error::{Trouble, WriteError};

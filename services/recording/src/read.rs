@@ -8,6 +8,7 @@ use std::path::Path;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
+use schemas::message::Request;
 use schemas::topic;
 
 use crate::channels::{Channels, Step};
@@ -53,6 +54,7 @@ pub struct Reader<R: Read = File> {
     coverage: Coverage,
     skipped: u64,
     statuses: u64,
+    free_spaces: Vec<Request>,
     claimed: Option<Summary>,
     data_ended: bool,
     done: bool,
@@ -102,6 +104,7 @@ impl<R: Read> Reader<R> {
             coverage: Coverage::default(),
             skipped: 0,
             statuses: 0,
+            free_spaces: Vec::new(),
             claimed: None,
             data_ended: false,
             done: false,
@@ -156,6 +159,12 @@ impl<R: Read> Reader<R> {
     /// Channels of others that were skipped, and their messages so far.
     pub fn others(&self) -> impl Iterator<Item = (&str, u64)> {
         self.channels.others()
+    }
+
+    /// Takes the requests that had made free spaces known to which the messages read last refer, and
+    /// which were sent before this file began.
+    pub fn take_free_spaces(&mut self) -> Vec<Request> {
+        std::mem::take(&mut self.free_spaces)
     }
 
     /// Statuses of the planner so far, which are not returned.
@@ -342,6 +351,7 @@ impl<R: Read> Reader<R> {
                     self.gaps.before(record.sequence);
                     return Ok(Some(*record));
                 }
+                Step::FreeSpace { request, .. } => self.free_spaces.push(*request),
                 Step::Status { .. } => self.statuses += 1,
                 Step::Skipped => self.skipped += 1,
                 Step::Other => {}

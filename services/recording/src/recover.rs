@@ -281,6 +281,15 @@ impl Copy {
                         Message::Reply(reply) => writer.write_reply(reply, record.log_ns)?,
                     }
                 }
+                Ok(Step::FreeSpace { request, log_ns }) => {
+                    // It stands before the request that refers to it.
+                    let writer = match (&mut *writer, make.take()) {
+                        (Some(writer), _) => writer,
+                        (none, Some(make)) => none.insert(make()?),
+                        (None, None) => unreachable!("it is made once"),
+                    };
+                    writer.write_free_space(&request, log_ns)?;
+                }
                 Ok(Step::Status { json, log_ns }) => {
                     if let Some(writer) = writer {
                         writer.write_status(&json, log_ns)?;

@@ -4,10 +4,11 @@ use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use schemas::message::{ReplyPart, Request, RequestKey};
+use schemas::message::{Digest, ReplyPart, Request, RequestKey};
 
 use crate::options::Options;
 use crate::summary::Summary;
+use crate::uploads::Uploads;
 use crate::write::{Writer, random};
 use crate::write_error::WriteError;
 
@@ -58,6 +59,9 @@ pub struct Series {
     removed: u64,
     /// Requests whose reply is not whole yet.
     open: BTreeSet<RequestKey>,
+    uploads: Uploads,
+    /// The named free spaces that this file has.
+    there: BTreeSet<Digest>,
     /// What the finished files hold.
     before: Summary,
     bytes_before: u64,
@@ -81,6 +85,8 @@ impl Series {
             files: VecDeque::new(),
             removed: 0,
             open: BTreeSet::new(),
+            uploads: Uploads::default(),
+            there: BTreeSet::new(),
             before: Summary::default(),
             bytes_before: 0,
         };
@@ -105,6 +111,7 @@ impl Series {
         }
         let writer = Writer::create(self.file(self.index), options)?;
         self.begun = Instant::now();
+        self.there.clear();
         Ok(self.writer.insert(writer))
     }
 
@@ -154,9 +161,22 @@ impl Series {
         Ok(self.writer.as_mut().expect("a file is open between its begin and its end"))
     }
 
-    /// Appends a request; see [`Writer::write_request`].
+    /// Makes free spaces known that were sent before the recording begins.
+    pub fn know(&mut self, uploads: Uploads) {
+        self.uploads = uploads;
+    }
+
+    /// Appends a request; see [`Writer::write_request`]. A file that lacks the free space that the
+    /// request names gets it first, if it was recorded before.
     pub fn write_request(&mut self, request: &Request, log_ns: u64) -> Result<(), WriteError> {
-        self.writer()?.write_request(request, log_ns)?;
+        self.split()?;
+        self.uploads.note(request);
+        let missing = self.uploads.missing(request, &mut self.there);
+        let writer = self.writer()?;
+        if let Some(upload) = missing {
+            writer.write_free_space(&upload, log_ns)?;
+        }
+        writer.write_request(request, log_ns)?;
         self.open.insert(request.key);
         Ok(())
     }

@@ -41,6 +41,7 @@ pub struct Writer<W: Write = NewFile> {
     /// What ends the output itself.
     end: fn(W) -> Result<(), WriteError>,
     channels: [u16; 2],
+    free_space_channel: u16,
     status_channel: u16,
     /// Statuses so far.
     statuses: u32,
@@ -140,6 +141,11 @@ impl<W: Write> Writer<W> {
             let schema = writer.add_schema(topic.schema_name(), topic::ENCODING, data)?;
             *channel = writer.add_channel(schema, topic.name(), topic::ENCODING, &version)?;
         }
+        let of_requests = Topic::Request;
+        let schema = of_requests.schema().as_bytes();
+        let schema = writer.add_schema(of_requests.schema_name(), topic::ENCODING, schema)?;
+        let free_space_channel =
+            writer.add_channel(schema, topic::FREE_SPACE, topic::ENCODING, &version)?;
         let schema = Status::schema();
         let schema = writer.add_schema(STATUS_SCHEMA, "jsonschema", schema.as_bytes())?;
         let status_channel = writer.add_channel(schema, topic::STATUS, "json", &BTreeMap::new())?;
@@ -147,6 +153,7 @@ impl<W: Write> Writer<W> {
             state: State::Open(Box::new(writer)),
             end,
             channels,
+            free_space_channel,
             status_channel,
             statuses: 0,
             bytes: Vec::new(),
@@ -206,6 +213,28 @@ impl<W: Write> Writer<W> {
         self.sequence += 1;
         self.summary.recorded += 1;
         self.in_gap = false;
+        Ok(())
+    }
+
+    /// Appends a request that made a free space known to which later ones refer, and which this file
+    /// does not have. It is none of the bus's messages that are numbered.
+    pub fn write_free_space(&mut self, request: &Request, log_ns: u64) -> Result<(), WriteError> {
+        self.bytes.clear();
+        codec::encode_into(request, &mut self.bytes);
+        let (bytes, most) = (self.bytes.len(), MOST_MESSAGE_BYTES);
+        if bytes > most {
+            return Err(WriteError::TooLarge { bytes, most });
+        }
+        let header = MessageHeader {
+            channel_id: self.free_space_channel,
+            sequence: 0,
+            log_time: log_ns,
+            publish_time: request.sent_ns,
+        };
+        let message = &self.bytes;
+        self.state.run(|writer| writer.write_to_known_channel(&header, message))?;
+        self.chunk += (MESSAGE_HEAD + bytes) as u64;
+        (self.time_ns, self.is_marked) = (log_ns, false);
         Ok(())
     }
 

@@ -1,13 +1,13 @@
 //! Writing what was taken.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use bus::TapMessage;
-use recording::{Options, Series, Split, Summary, WriteError};
+use recording::{Options, Series, Split, Summary, Uploads, WriteError};
 use schemas::message::ErrorCode;
 
 use crate::progress::Written;
@@ -71,9 +71,12 @@ impl Store {
             None => {
                 Target::Files(Box::new(Series::create(&settings.output, options, settings.split)?))
             }
-            Some(snapshot) => {
-                Target::Memory(Box::new(Ring::new(&settings.output, options, snapshot)))
-            }
+            Some(snapshot) => Target::Memory(Box::new(Ring::new(
+                &settings.output,
+                options,
+                snapshot,
+                settings.topics.requests,
+            ))),
         };
         let folder = settings.output.parent().filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new(".")).to_owned();
@@ -152,6 +155,9 @@ struct Ring {
     time: Duration,
     on: Vec<ErrorCode>,
     kept: VecDeque<(Instant, Taken)>,
+    uploads: Uploads,
+    /// Whether requests are recorded.
+    has_requests: bool,
     /// A refusal asks for a snapshot.
     is_due: bool,
     /// What all snapshots hold, and how many there are.
@@ -161,13 +167,15 @@ struct Ring {
 }
 
 impl Ring {
-    fn new(path: &Path, options: Options, snapshot: &Snapshot) -> Self {
+    fn new(path: &Path, options: Options, snapshot: &Snapshot, has_requests: bool) -> Self {
         Self {
             path: path.to_owned(),
             options,
             time: snapshot.time,
             on: snapshot.on.clone(),
             kept: VecDeque::new(),
+            uploads: Uploads::default(),
+            has_requests,
             is_due: false,
             stored: Summary::default(),
             files: 0,
@@ -194,7 +202,10 @@ impl Ring {
                 let refusal = part.content.as_ref().err();
                 self.is_due |= refusal.is_some_and(|refusal| self.on.contains(&refusal.code));
             }
-            Taken::Message { .. } | Taken::Status { .. } | Taken::Lost { .. } => {}
+            Taken::Message { message: TapMessage::Request(ref request), .. } => {
+                self.uploads.note(request);
+            }
+            Taken::Status { .. } | Taken::Lost { .. } => {}
         }
         self.kept.push_back((now, taken));
         Ok(())
@@ -206,7 +217,21 @@ impl Ring {
         let end = self.path.extension().unwrap_or("mcap".as_ref()).to_string_lossy();
         let path = self.path.with_file_name(format!("{stem}-{:04}.{end}", self.files));
         let mut series = Series::create(&path, self.options.clone(), Split::default())?;
+        series.know(self.uploads.clone());
+        let mut asked = BTreeSet::new();
         for (_, taken) in self.kept.drain(..) {
+            match &taken {
+                Taken::Message { message: TapMessage::Request(request), .. } => {
+                    asked.insert(request.key);
+                }
+                // Its request came before the time that is kept.
+                Taken::Message { message: TapMessage::Reply(part), .. }
+                    if self.has_requests && !asked.contains(&part.key) =>
+                {
+                    continue;
+                }
+                _ => {}
+            }
             into_files(&mut series, taken)?;
         }
         self.bytes_written += series.written();
