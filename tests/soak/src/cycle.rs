@@ -39,7 +39,8 @@ pub(crate) struct Cycle {
 /// A client's process.
 struct Running {
     child: Child,
-    says: JoinHandle<(Account, Open)>,
+    /// None once it has ended.
+    says: Option<JoinHandle<(Account, Open)>>,
 }
 
 impl Running {
@@ -53,13 +54,14 @@ impl Running {
         // Nonsense has its own client beside.
         let most_open = REQUESTS_PER_CLIENT;
         let says = std::thread::spawn(move || Account::read(says, most_open));
-        Ok(Self { child, says })
+        Ok(Self { child, says: Some(says) })
     }
 
     /// Waits for its end; what became of its requests.
     fn ended(mut self, killed: bool) -> std::io::Result<Account> {
         let status = self.child.wait()?;
-        let (mut account, open) = self.says.join().expect("it only reads");
+        let says = self.says.take().expect("it ends once");
+        let (mut account, open) = says.join().expect("it only reads");
         account.close(open, killed);
         // One that has hardly started knows no better than to die.
         let was_early = account.sent == 0 && status.signal() == Some(Signal::TERM.as_raw());
@@ -67,6 +69,15 @@ impl Running {
             account.fault(format!("a client ended with {status}"));
         }
         Ok(account)
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if self.says.is_some() {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
     }
 }
 
@@ -104,7 +115,10 @@ pub(crate) fn run(
     if lives_on && !matches!(recorded.code, Some(0 | 3)) {
         account.fault(format!("the recorder ended with {:?}: {}", recorded.code, recorded.stderr));
     }
-    std::fs::remove_file(file)?;
+    // One that was killed leaves what it had under another name.
+    for file in [&file, &file.with_extension("mcap.part")] {
+        let _ = std::fs::remove_file(file);
+    }
     for client in &running {
         kill_process(&client.child, Signal::TERM);
     }
