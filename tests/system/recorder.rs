@@ -31,6 +31,12 @@ fn check_recovered(test: &TestDomain, replies: usize) {
     assert!(checked.stderr.contains("the recording is cut"), "{checked:?}");
     let recovered = test.run("replay", &["recover", "run.mcap.part", "-o", "whole.mcap"]);
     assert_eq!(recovered.code, Some(0), "{recovered:?}");
+    // Also under the name that it was to have, without harm to what is read.
+    let left = std::fs::read(test.path("run.mcap.part")).unwrap();
+    let under_its_name = ["recover", "run.mcap.part", "-o", "run.mcap", "--overwrite"];
+    assert_eq!(test.run("replay", &under_its_name).code, Some(0));
+    assert!(std::fs::read(test.path("run.mcap.part")).unwrap() == left);
+    assert_eq!(test.run("replay", &["check", "run.mcap"]).code, Some(0));
     let whole = test.run("replay", &["check", "whole.mcap"]);
     let stdout = format!("whole.mcap: {replies} requests, {replies} equal\n");
     assert_eq!(whole, Ended { code: Some(0), stdout, stderr: String::new() });

@@ -61,7 +61,14 @@ impl Write for Guarded {
 }
 
 impl NewFile {
-    pub(crate) fn create(path: &Path, overwrite: bool, sync: bool) -> Result<Self, WriteError> {
+    /// `input` is the device and inode of a file that must stay as it is: an unfinished recording
+    /// of the same name that is being finished.
+    pub(crate) fn create(
+        path: &Path,
+        overwrite: bool,
+        sync: bool,
+        input: Option<(u64, u64)>,
+    ) -> Result<Self, WriteError> {
         let failed = |error: io::Error| WriteError::Create {
             path: path.to_owned(),
             source: Arc::new(error),
@@ -88,6 +95,10 @@ impl NewFile {
         }
         let mut part = path.as_os_str().to_owned();
         part.push(".part");
+        let is = |part: &std::ffi::OsStr| fs::metadata(part).ok().map(|is| (is.dev(), is.ino()));
+        if input.is_some() && is(&part) == input {
+            part.push(".new");
+        }
         let part = PathBuf::from(part);
         let new = OpenOptions::new().write(true).create_new(true).open(&part);
         let is_new = new.is_ok();

@@ -100,13 +100,14 @@ pub fn recover(
 ) -> Result<Recovered, RecoverError> {
     let failed = |source| RecoverError::Read { path: from.to_owned(), source };
     let io = |source| failed(ReadError::Io { offset: 0, source });
-    let input = File::open(from).map_err(io)?;
-    let old = input.metadata().map_err(io)?;
+    let file = File::open(from).map_err(io)?;
+    let old = file.metadata().map_err(io)?;
     if std::fs::metadata(to).is_ok_and(|new| (new.dev(), new.ino()) == (old.dev(), old.ino())) {
         return Err(RecoverError::SameFile { path: to.to_owned() });
     }
-    let create = |options| Writer::create(to, options);
-    match salvage(input, unverified, options, create) {
+    let input = Some((old.dev(), old.ino()));
+    let create = |options| Writer::create_beside(input, to, options);
+    match salvage(file, unverified, options, create) {
         Err(Problem::Read(source)) => Err(failed(source)),
         Err(Problem::Write(error)) => Err(error.into()),
         Ok(None) => Err(RecoverError::Nothing { path: from.to_owned() }),

@@ -76,7 +76,16 @@ impl Writer {
     /// Creates the file at `path`, with its channels and no messages. An existing file is
     /// left alone unless `options` say otherwise.
     pub fn create(path: impl AsRef<Path>, options: Options) -> Result<Self, WriteError> {
-        let file = NewFile::create(path.as_ref(), options.overwrite, options.sync)?;
+        Self::create_beside(None, path.as_ref(), options)
+    }
+
+    /// The same, and leaves the file `input` (device and inode) alone whatever its name.
+    pub(crate) fn create_beside(
+        input: Option<(u64, u64)>,
+        path: &Path,
+        options: Options,
+    ) -> Result<Self, WriteError> {
+        let file = NewFile::create(path, options.overwrite, options.sync, input)?;
         let part = file.part().map(Path::to_owned);
         // A file without a beginning is no recording; with one, it is an empty one.
         Self::begin(file, options, NewFile::commit).inspect_err(|_| {

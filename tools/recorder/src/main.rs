@@ -51,13 +51,13 @@ struct Arguments {
     /// Replace existing files
     #[arg(long)]
     overwrite: bool,
-    /// EndReason after this time [default: at a signal]
+    /// End after this time [default: at a signal]
     #[arg(long, visible_alias = "for", value_name = "TIME", value_parser = humantime::parse_duration)]
     duration: Option<Duration>,
-    /// EndReason after so many messages
+    /// End after so many messages
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..))]
     max_messages: Option<u64>,
-    /// EndReason when the planner ends and no other takes over within 2 s
+    /// End when the planner ends and no other takes over within 2 s
     #[arg(long)]
     exit_with_planner: bool,
     /// Record only these
@@ -84,7 +84,7 @@ struct Arguments {
     /// Remove the oldest file where there would be more
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
     max_files: Option<u32>,
-    /// EndReason when the disk has less than this left
+    /// End when the disk has less than this left
     #[arg(long, value_name = "SIZE", value_parser = size::parse)]
     min_free_space: Option<u64>,
     /// Keep what came in this time in memory, and write it on SIGUSR1: FILE-0000 and so on
@@ -214,9 +214,11 @@ fn run(settings: Settings) -> Result<Exit, Box<dyn Error>> {
     let path = settings.output.display();
     let mut said = format!("{path}: {} messages recorded, {} lost", summary.recorded, summary.lost);
     match (&settings.snapshot, settings.split.is_never()) {
-        (Some(_), _) => said += &format!(", in {files} snapshots"),
+        (Some(_), _) => {
+            said += &format!(", in {files} snapshot{}", if files == 1 { "" } else { "s" });
+        }
         (None, false) => {
-            said += &format!(", in {files} files");
+            said += &format!(", in {files} file{}", if files == 1 { "" } else { "s" });
             if removed > 0 {
                 said += &format!(", of which the first {removed} were removed");
             }
