@@ -10,18 +10,20 @@
 //! bound holds.
 
 use std::any::Any;
-use std::sync::Arc;
+use std::fmt::Debug;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Weak};
 
 use planning::budget::{Budget, Spent};
 use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, HalfSpace, Sign};
 
-use crate::entries::{ENTRY_BYTES, Entry, Used};
-use crate::store::Store;
+use crate::entries::{AnyEntry, ENTRY_BYTES, Entry, Head, Used};
+use crate::store::{Hits, Store};
 
 /// A value that can be cached.
-pub(crate) trait Cached: Any + Send + Sync {
+pub(crate) trait Cached: Any + Debug + Send + Sync {
     /// Its heap memory, bytes.
     fn bytes(&self) -> usize;
 }
@@ -106,11 +108,55 @@ pub(crate) struct Cache {
     /// The key being looked up.
     content: Content,
     pub(crate) used: Used,
+    last: Last,
+    /// Look-ups of this workspace that found an entry.
+    hits: Arc<Hits>,
+}
+
+/// The entry that a workspace used last. If nothing has changed since, it is still the most
+/// recently used of all, so to use it again changes nothing and needs no lock.
+#[derive(Debug)]
+struct Last {
+    /// Changes so far.
+    changes: Arc<AtomicU64>,
+    /// As many as there were then.
+    at: u64,
+    /// Weak, so that it goes when others evict it.
+    entry: Option<Weak<dyn AnyEntry>>,
+}
+
+impl Last {
+    fn find(&self, content: &[u64]) -> Option<Arc<dyn AnyEntry>> {
+        if self.changes.load(Ordering::Acquire) != self.at {
+            return None;
+        }
+        self.entry.as_ref()?.upgrade().filter(|entry| *entry.head().content == *content)
+    }
+
+    /// Remembers the entry that is the most recently used now, while the store is locked.
+    fn remember(&mut self, entry: &Arc<dyn AnyEntry>) {
+        self.at = self.changes.load(Ordering::Relaxed);
+        if self
+            .entry
+            .as_ref()
+            .is_none_or(|last| !std::ptr::addr_eq(last.as_ptr(), Arc::as_ptr(entry)))
+        {
+            self.entry = Some(Arc::downgrade(entry));
+        }
+    }
 }
 
 impl Cache {
     pub(crate) fn new(store: Store) -> Self {
-        Self { store, content: Content::default(), used: Used::default() }
+        let hits = store.join();
+        let changes = Arc::clone(store.lock().entries.changes());
+        let last = Last { changes, at: 0, entry: None };
+        Self { store, content: Content::default(), used: Used::default(), last, hits }
+    }
+
+    /// The workspace, which kept `bytes` of its own, is gone.
+    pub(crate) fn leave(&self, bytes: usize) {
+        self.store.leave(&self.hits, bytes);
     }
 
     /// Memory of the key's buffer, bytes.
@@ -142,41 +188,58 @@ impl Cache {
         &mut self,
         budget: &Budget<'_>,
         make: impl FnOnce() -> Result<T, E>,
-    ) -> Result<Arc<T>, E> {
+    ) -> Result<Arc<Entry<T>>, E> {
         budget.step(self.content.0.len() as u64 / WORDS_PER_STEP)?;
-        if let Some(made) = self.find(budget) {
-            self.store.count_hits(1);
-            return Ok(made);
+        if let Some(entry) = self.find(budget).and_then(of_kind) {
+            self.hits.count();
+            return Ok(entry);
         }
         self.used.misses += 1;
         let (made, cost) = budget.measure(|| {
             budget.hold(size_of_val::<[u64]>(&self.content.0) + ENTRY_BYTES)?;
             make()
         });
-        let made = Arc::new(made?);
-        let content: Arc<[u64]> = self.content.0.as_slice().into();
+        let made = made?;
+        let content: Box<[u64]> = self.content.0.as_slice().into();
         let bytes = size_of_val::<[u64]>(&content) + size_of::<T>() + made.bytes() + ENTRY_BYTES;
-        let entry = Entry { made: made.clone(), bytes, cost };
-        self.used.add(Arc::clone(&content), entry.clone());
-        self.store.lock().entries.insert(content, entry);
+        let made = Arc::new(Entry { head: Head { content, bytes, cost }, made });
+        let entry: Arc<dyn AnyEntry> = made.clone();
+        let mut kept = self.store.lock();
+        kept.entries.insert(Arc::clone(&entry));
+        self.last.remember(&entry);
+        drop(kept);
+        self.used.add(entry);
         Ok(made)
     }
 
     /// The entry, if this request has used it already; or if it is cached and the budget would be
     /// enough to make it.
-    fn find<T: Cached>(&mut self, budget: &Budget<'_>) -> Option<Arc<T>> {
+    fn find(&mut self, budget: &Budget<'_>) -> Option<Arc<dyn AnyEntry>> {
         let content = self.content.0.as_slice();
         if let Some(entry) = self.used.find(content) {
-            return Arc::downcast(entry.made.clone()).ok();
+            return Some(Arc::clone(entry));
         }
-        let (content, entry) = self.store.lock().entries.find(content)?;
-        let made = Arc::downcast(entry.made.clone()).ok()?;
-        if !budget.repeat(&entry.cost) {
+        let entry = match self.last.find(content) {
+            Some(entry) => entry,
+            None => {
+                let mut kept = self.store.lock();
+                let entry = kept.entries.find(content)?;
+                self.last.remember(&entry);
+                entry
+            }
+        };
+        if !budget.repeat(&entry.head().cost) {
             return None;
         }
-        self.used.add(content, entry);
-        Some(made)
+        self.used.add(Arc::clone(&entry));
+        Some(entry)
     }
+}
+
+/// The entry, if it is of the kind that its key says.
+fn of_kind<T: Cached>(entry: Arc<dyn AnyEntry>) -> Option<Arc<Entry<T>>> {
+    let entry: Arc<dyn Any + Send + Sync> = entry;
+    Arc::downcast(entry).ok()
 }
 
 #[cfg(test)]

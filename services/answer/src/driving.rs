@@ -15,6 +15,7 @@ use schemas::message::{self, ClearanceWish, ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
+use crate::entries::Entry;
 use crate::free_space::{Buffers, FreeSpace, given_channels};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, FLOOR, Refused};
@@ -53,7 +54,7 @@ struct DrivingJob<'a> {
     errand: Errand,
     pace: Pace,
     space: FreeSpace<'a, 2>,
-    walls: Arc<Walls<2>>,
+    walls: Arc<Entry<Walls<2>>>,
     /// For which gap the course was found; `None`: for none yet.
     found_for: Option<AnyGap>,
     /// What full reports are made with.

@@ -1,10 +1,15 @@
 //! What the cache holds, for all workspaces together.
 
 use std::any::Any;
+use std::borrow::Borrow;
+use std::fmt::Debug;
+use std::hash::{Hash, Hasher};
+use std::ops::Deref;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use foldhash::fast::FixedState;
-use hashlink::LinkedHashMap;
+use hashlink::LinkedHashSet;
 use planning::budget::Cost;
 
 /// The bytes may allow more entries, but ones so small are made as fast as they are found.
@@ -30,24 +35,79 @@ pub(crate) struct Entries {
     /// Memory of the workspaces and of uploads, which counts against the bound.
     elsewhere: usize,
     /// By content, from the least to the most recently used.
-    entries: LinkedHashMap<Arc<[u64]>, Entry, FixedState>,
-    /// The most entries since the map last shrank.
+    entries: LinkedHashSet<ByContent, FixedState>,
+    /// The most entries since the set last shrank.
     most_entries: usize,
+    /// Changes of the order and of what is in it. While there is none, the entry used last is
+    /// still the last, which can be told without a lock.
+    changes: Arc<AtomicU64>,
     stats: CacheStats,
 }
 
 /// What is cached.
-#[derive(Debug, Clone)]
-pub(crate) struct Entry {
-    pub(crate) made: Arc<dyn Any + Send + Sync>,
+#[derive(Debug)]
+pub(crate) struct Entry<T> {
+    pub(crate) head: Head,
+    pub(crate) made: T,
+}
+
+/// What is known of an entry of any kind.
+#[derive(Debug)]
+pub(crate) struct Head {
+    /// What it is made from: the key.
+    pub(crate) content: Box<[u64]>,
     pub(crate) bytes: usize,
     /// What making it drew from the budget. A request that finds it draws the same, once.
     pub(crate) cost: Cost,
 }
 
-/// Memory of the map per entry: a node with two links, and two slots of its table.
+impl<T> Deref for Entry<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.made
+    }
+}
+
+/// An entry of any kind.
+pub(crate) trait AnyEntry: Any + Debug + Send + Sync {
+    fn head(&self) -> &Head;
+}
+
+impl<T: Any + Debug + Send + Sync> AnyEntry for Entry<T> {
+    fn head(&self) -> &Head {
+        &self.head
+    }
+}
+
+/// An entry as the set finds it.
+#[derive(Debug)]
+struct ByContent(Arc<dyn AnyEntry>);
+
+impl Borrow<[u64]> for ByContent {
+    fn borrow(&self) -> &[u64] {
+        &self.0.head().content
+    }
+}
+
+impl Hash for ByContent {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.head().content.hash(state);
+    }
+}
+
+impl PartialEq for ByContent {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.head().content == other.0.head().content
+    }
+}
+
+impl Eq for ByContent {}
+
+/// Memory per entry: what is known of it, and in the set a node with two links and two slots of
+/// its table.
 pub(crate) const ENTRY_BYTES: usize =
-    size_of::<Arc<[u64]>>() + size_of::<Entry>() + 2 * size_of::<usize>() + 2 * 9;
+    size_of::<Head>() + size_of::<ByContent>() + 2 * size_of::<usize>() + 2 * 9;
 
 impl Entries {
     /// An empty cache that holds at most `most_bytes` from one request to the next.
@@ -55,10 +115,20 @@ impl Entries {
         Self {
             most_bytes,
             elsewhere: 0,
-            entries: LinkedHashMap::with_hasher(FixedState::default()),
+            entries: LinkedHashSet::with_hasher(FixedState::default()),
             most_entries: 0,
+            changes: Arc::default(),
             stats: CacheStats::default(),
         }
+    }
+
+    /// The count of changes, to be read without a lock.
+    pub(crate) fn changes(&self) -> &Arc<AtomicU64> {
+        &self.changes
+    }
+
+    fn count_change(&self) {
+        self.changes.fetch_add(1, Ordering::Release);
     }
 
     pub(crate) fn stats(&self) -> CacheStats {
@@ -71,22 +141,26 @@ impl Entries {
     }
 
     /// The entry made from this content, which is used now.
-    pub(crate) fn find(&mut self, content: &[u64]) -> Option<(Arc<[u64]>, Entry)> {
+    pub(crate) fn find(&mut self, content: &[u64]) -> Option<Arc<dyn AnyEntry>> {
         // Most often it is the last one used.
-        let last = self.entries.iter().next_back();
-        if let Some((key, entry)) = last.filter(|(last, _)| ***last == *content) {
-            return Some((Arc::clone(key), entry.clone()));
+        let last = self.entries.back();
+        if last.is_none_or(|ByContent(last)| *last.head().content != *content) {
+            if !self.entries.to_back(content) {
+                return None;
+            }
+            self.count_change();
         }
-        self.entries.to_back(content)?;
-        let (key, entry) = self.entries.iter().next_back()?;
-        Some((Arc::clone(key), entry.clone()))
+        self.entries.back().map(|ByContent(entry)| Arc::clone(entry))
     }
 
-    pub(crate) fn insert(&mut self, content: Arc<[u64]>, entry: Entry) {
-        self.stats.bytes += entry.bytes;
-        if let Some(replaced) = self.entries.insert(content, entry) {
-            self.stats.bytes -= replaced.bytes;
+    pub(crate) fn insert(&mut self, entry: Arc<dyn AnyEntry>) {
+        let Head { content, bytes, .. } = entry.head();
+        if let Some(ByContent(replaced)) = self.entries.take(&**content) {
+            self.stats.bytes -= replaced.head().bytes;
         }
+        self.stats.bytes += bytes;
+        self.entries.insert(ByContent(entry));
+        self.count_change();
         self.most_entries = self.most_entries.max(self.entries.len());
         self.stats.entries = self.entries.len();
     }
@@ -96,15 +170,18 @@ impl Entries {
         let most = self.most_bytes.saturating_sub(self.elsewhere);
         let mut evicted = Vec::new();
         // An entry that is too large by itself should not evict the others.
-        for (content, _) in used.entries.iter().filter(|(_, entry)| entry.bytes > most) {
-            evicted.extend(self.entries.remove(content));
+        for head in used.entries.iter().map(|entry| entry.head()).filter(|head| head.bytes > most) {
+            evicted.extend(self.entries.take(&*head.content));
         }
-        let too_large: usize = evicted.iter().map(|entry| entry.bytes).sum();
+        let too_large: usize = evicted.iter().map(|ByContent(entry)| entry.head().bytes).sum();
         self.stats.bytes -= too_large;
         while self.stats.bytes > most || self.entries.len() > MOST_ENTRIES {
-            let Some((_, entry)) = self.entries.pop_front() else { break };
-            self.stats.bytes -= entry.bytes;
-            evicted.push(entry);
+            let Some(oldest) = self.entries.pop_front() else { break };
+            self.stats.bytes -= oldest.0.head().bytes;
+            evicted.push(oldest);
+        }
+        if !evicted.is_empty() {
+            self.count_change();
         }
         if self.most_entries > 2 * self.entries.len() {
             self.entries.shrink_to_fit();
@@ -118,13 +195,13 @@ impl Entries {
 
 /// Entries to be freed, best not while others wait for the cache.
 #[must_use]
-pub(crate) struct Evicted(#[expect(dead_code, reason = "only dropped")] Vec<Entry>);
+pub(crate) struct Evicted(#[expect(dead_code, reason = "only dropped")] Vec<ByContent>);
 
 /// What a request has found or made so far. It stays until the request ends, whatever others do
 /// to the cache meanwhile.
 #[derive(Debug, Default)]
 pub(crate) struct Used {
-    entries: Vec<(Arc<[u64]>, Entry)>,
+    entries: Vec<Arc<dyn AnyEntry>>,
     pub(crate) misses: u64,
 }
 
@@ -134,13 +211,12 @@ impl Used {
         self.misses == 0
     }
 
-    pub(crate) fn add(&mut self, content: Arc<[u64]>, entry: Entry) {
-        self.entries.push((content, entry));
+    pub(crate) fn add(&mut self, entry: Arc<dyn AnyEntry>) {
+        self.entries.push(entry);
     }
 
-    pub(crate) fn find(&self, content: &[u64]) -> Option<&Entry> {
-        let mut latest_first = self.entries.iter().rev();
-        Some(&latest_first.find(|(used, _)| **used == *content)?.1)
+    pub(crate) fn find(&self, content: &[u64]) -> Option<&Arc<dyn AnyEntry>> {
+        self.entries.iter().rev().find(|used| *used.head().content == *content)
     }
 
     /// The request has ended.

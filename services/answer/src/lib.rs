@@ -113,7 +113,6 @@ impl Workspace {
 
     /// A workspace that shares `store` with others.
     pub fn sharing(caps: Caps, store: &Store) -> Self {
-        store.join();
         Self {
             caps,
             scene: SceneRequest::empty(),
@@ -299,7 +298,7 @@ impl Workspace {
 
 impl Drop for Workspace {
     fn drop(&mut self) {
-        self.store.leave(self.counted);
+        self.cache.leave(self.counted);
     }
 }
 

@@ -20,14 +20,28 @@ struct Shared {
     kept: Mutex<Kept>,
     most_bytes: usize,
     workspaces: AtomicUsize,
-    /// Look-ups that found an entry; counted without a lock.
-    hits: AtomicU64,
+}
+
+/// Look-ups of a workspace that found an entry; only it counts them. On a cache line of its own,
+/// for they count at every request.
+#[derive(Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct Hits(AtomicU64);
+
+impl Hits {
+    pub(crate) fn count(&self) {
+        self.0.store(self.0.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+    }
 }
 
 #[derive(Debug)]
 pub(crate) struct Kept {
     pub(crate) entries: Entries,
     pub(crate) uploads: Uploads,
+    /// Of each workspace.
+    hits: Vec<Arc<Hits>>,
+    /// Of workspaces that are gone.
+    hits_before: u64,
 }
 
 impl Store {
@@ -39,22 +53,24 @@ impl Store {
 
     /// The same, with a bound of its own for named free spaces, bytes.
     pub(crate) fn with_uploads(bytes: usize, uploads: usize) -> Self {
-        let kept = Kept { entries: Entries::new(bytes), uploads: Uploads::new(uploads) };
+        let kept = Kept {
+            entries: Entries::new(bytes),
+            uploads: Uploads::new(uploads),
+            hits: Vec::new(),
+            hits_before: 0,
+        };
         Self(Arc::new(Shared {
             kept: Mutex::new(kept),
             most_bytes: bytes,
             workspaces: AtomicUsize::new(0),
-            hits: AtomicU64::new(0),
         }))
     }
 
     /// Statistics of the cache since the store was made.
     pub fn cache_stats(&self) -> CacheStats {
-        CacheStats { hits: self.0.hits.load(Ordering::Relaxed), ..self.lock().entries.stats() }
-    }
-
-    pub(crate) fn count_hits(&self, hits: u64) {
-        self.0.hits.fetch_add(hits, Ordering::Relaxed);
+        let kept = self.lock();
+        let hits = kept.hits.iter().map(|hits| hits.0.load(Ordering::Relaxed)).sum::<u64>();
+        CacheStats { hits: kept.hits_before + hits, ..kept.entries.stats() }
     }
 
     /// What each workspace may keep of each kind of buffer, bytes.
@@ -63,14 +79,21 @@ impl Store {
         self.0.most_bytes / (SHARE * workspaces)
     }
 
-    pub(crate) fn join(&self) {
+    /// Another workspace keeps its hits here.
+    pub(crate) fn join(&self) -> Arc<Hits> {
         self.0.workspaces.fetch_add(1, Ordering::Relaxed);
+        let hits = Arc::<Hits>::default();
+        self.lock().hits.push(Arc::clone(&hits));
+        hits
     }
 
-    /// A workspace that kept `bytes` of its own is gone.
-    pub(crate) fn leave(&self, bytes: usize) {
+    /// A workspace with these hits that kept `bytes` of its own is gone.
+    pub(crate) fn leave(&self, hits: &Arc<Hits>, bytes: usize) {
         self.0.workspaces.fetch_sub(1, Ordering::Relaxed);
-        self.lock().entries.count_elsewhere(bytes, 0);
+        let mut kept = self.lock();
+        kept.entries.count_elsewhere(bytes, 0);
+        kept.hits.retain(|kept| !Arc::ptr_eq(kept, hits));
+        kept.hits_before += hits.0.load(Ordering::Relaxed);
     }
 
     pub(crate) fn lock(&self) -> MutexGuard<'_, Kept> {

@@ -14,7 +14,7 @@ impl Cached for Thing {
     }
 }
 
-/// The cache of a workspace that has its store to itself.
+/// The cache of a workspace that has its store to itself, or shares it.
 struct Alone {
     cache: Cache,
     elsewhere: usize,
@@ -37,6 +37,11 @@ impl Alone {
         self.cache.used.clear();
         self.elsewhere = elsewhere;
     }
+}
+
+/// Caches of two workspaces that share a store.
+fn two(store: &Store) -> [Alone; 2] {
+    [0, 1].map(|_| Alone { cache: Cache::new(store.clone()), elsewhere: 0 })
 }
 
 /// What making a thing takes.
@@ -133,26 +138,31 @@ fn entries_are_bounded() {
     assert!(!find(&mut cache, &[MOST_ENTRIES as u64 - 1], 1000));
 }
 
-/// Against a list that does the same, slowly.
+/// Against a list that does the same, slowly, for two workspaces in any order.
 #[test]
 fn it_does_as_a_plain_list_does() {
     let bound = 12_000;
-    let mut cache = Alone::new(bound);
+    let mut caches = two(&Store::new(bound));
+    let mut hits = 0;
     // Newest first.
     let mut list: Vec<u64> = Vec::new();
     let mut state = 1_u64;
     for _ in 0..5000 {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        let word = (state >> 60) + 1;
+        // Often the same as before.
+        let word = (state >> 60 & state >> 56) + 1;
+        let cache = &mut caches[(state >> 40) as usize % 2];
         let there = list.contains(&word);
+        hits += u64::from(there);
         list.retain(|other| *other != word);
         list.insert(0, word);
-        assert_eq!(find(&mut cache, &[word], 1000), there);
+        assert_eq!(find(cache, &[word], 1000), there);
         cache.end_request(0);
         let each = cache.stats().bytes / cache.stats().entries;
         assert!(each >= 1000 + ENTRY_BYTES);
         list.truncate(bound / each);
         assert_eq!(cache.stats().entries, list.len());
+        assert_eq!(cache.stats().hits, hits);
     }
 }
 
@@ -183,8 +193,7 @@ fn what_is_found_costs_what_making_it_did_once_a_request() {
 #[test]
 fn caches_of_one_store_share_what_they_make() {
     let store = Store::new(1 << 20);
-    let [mut one, mut other] =
-        [0, 1].map(|_| Alone { cache: Cache::new(store.clone()), elsewhere: 0 });
+    let [mut one, mut other] = two(&store);
     assert!(!find(&mut one, &[1], 1000));
     assert!(find(&mut other, &[1], 1000), "while the first is in use");
     one.end_request(0);
@@ -196,8 +205,7 @@ fn caches_of_one_store_share_what_they_make() {
 #[test]
 fn what_others_evict_stays_with_the_request_that_uses_it() {
     let store = Store::new(1500);
-    let [mut one, mut other] =
-        [0, 1].map(|_| Alone { cache: Cache::new(store.clone()), elsewhere: 0 });
+    let [mut one, mut other] = two(&store);
     assert!(!find(&mut one, &[1], 1000));
     for word in 2..6 {
         assert!(!find(&mut other, &[word], 1000));
@@ -206,4 +214,70 @@ fn what_others_evict_stays_with_the_request_that_uses_it() {
     assert!(find(&mut one, &[1], 1000), "found without drawing twice");
     one.end_request(0);
     assert!(!find(&mut one, &[1], 1000));
+}
+
+/// Whether the entry is found without a lock.
+fn is_last(Alone { cache, .. }: &Alone, word: u64) -> bool {
+    cache.last.find(&[word]).is_some()
+}
+
+#[test]
+fn the_entry_used_last_of_all_is_found_without_a_lock() {
+    let [mut one, mut other] = two(&Store::new(1 << 20));
+    assert!(!find(&mut one, &[1], 1000));
+    one.end_request(0);
+    assert!(is_last(&one, 1) && !is_last(&one, 2) && !is_last(&other, 1));
+    assert!(find(&mut other, &[1], 1000));
+    other.end_request(0);
+    assert!(is_last(&one, 1) && is_last(&other, 1), "another used the same");
+    assert!(!find(&mut other, &[2], 1000));
+    other.end_request(0);
+    assert!(!is_last(&one, 1) && is_last(&other, 2), "another used one more");
+    assert!(find(&mut one, &[1], 1000));
+    one.end_request(0);
+    assert!(is_last(&one, 1) && !is_last(&other, 2), "another changed the order");
+}
+
+#[test]
+fn what_others_evict_is_freed() {
+    let [mut one, mut other] = two(&Store::new(1500));
+    assert!(!find(&mut one, &[1], 1000));
+    one.end_request(0);
+    let entry = one.cache.last.entry.clone().expect("it was used");
+    assert!(entry.upgrade().is_some());
+    assert!(!find(&mut other, &[2], 1000));
+    other.end_request(0);
+    assert!(entry.upgrade().is_none());
+    assert!(!find(&mut one, &[1], 1000));
+}
+
+#[test]
+fn threads_count_every_look_up_and_keep_the_bound() {
+    const LOOK_UPS: u64 = 20_000;
+    let bound = 4000;
+    let store = Store::new(bound);
+    let seeded = two(&store).into_iter().zip([1, 2]);
+    let found: u64 = std::thread::scope(|scope| {
+        let threads: Vec<_> = seeded
+            .map(|(mut cache, seed)| {
+                scope.spawn(move || {
+                    let mut state: u64 = seed;
+                    let mut found = 0;
+                    for _ in 0..LOOK_UPS {
+                        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                        let word = state >> 61 & state >> 58 & state >> 55;
+                        found += u64::from(find(&mut cache, &[word], 1000));
+                        cache.end_request(0);
+                    }
+                    cache.cache.leave(0);
+                    found
+                })
+            })
+            .collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).sum()
+    });
+    let stats = store.cache_stats();
+    assert_eq!((stats.hits, stats.misses), (found, 2 * LOOK_UPS - found));
+    assert!(found > LOOK_UPS && stats.misses > 100, "{stats:?}");
+    assert!(stats.bytes <= bound && stats.entries > 0, "{stats:?}");
 }

@@ -17,6 +17,7 @@ use super::errand::Errand;
 use crate::answers::{Job, Pace, Resources};
 use crate::cache::{Cached, Kind};
 use crate::check;
+use crate::entries::Entry;
 use crate::free_space::{Buffers, floor_walls};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, Refused};
@@ -35,7 +36,7 @@ pub(super) struct Memory {
     planner: Planner,
     /// The floor that the planner knows. Only the cache keeps floors; as long as this names one,
     /// no other has its address.
-    floor: Weak<Floor>,
+    floor: Weak<Entry<Floor>>,
     found: RobotMotion,
     /// The greatest free clearance, once found, metres.
     safest: Option<f64>,
@@ -55,8 +56,8 @@ impl Memory {
 pub(super) struct AnywhereJob<'a> {
     errand: Errand,
     pace: Pace,
-    walls: Arc<Walls<2>>,
-    floor: Arc<Floor>,
+    walls: Arc<Entry<Walls<2>>>,
+    floor: Arc<Entry<Floor>>,
     /// The request's channels, if it has any.
     channels: &'a [AxisBox<2>],
     memory: &'a mut Memory,
@@ -77,7 +78,7 @@ impl<'a> AnywhereJob<'a> {
         let kind = if channels.is_some() { Kind::ChannelsFloor } else { Kind::SolidsFloor };
         cache.describe_again(kind, 2);
         errand.check_inside(scene, channels, &walls, budget)?;
-        let floor: Arc<Floor> = cache.get(budget, || floor_among(&walls, budget))?;
+        let floor: Arc<Entry<Floor>> = cache.get(budget, || floor_among(&walls, budget))?;
         if memory.floor.as_ptr() != Arc::as_ptr(&floor) {
             memory.planner.forget();
             memory.floor = Arc::downgrade(&floor);

@@ -9,6 +9,7 @@ use planning::geometry::{AxisBox, Direction, Vector};
 
 use crate::answers::Resources;
 use crate::cache::Kind;
+use crate::entries::Entry;
 use crate::refuse::Refused;
 
 /// Solids, cut into boxes.
@@ -18,7 +19,7 @@ pub(crate) struct Cut<'a, const D: usize> {
     /// Memory for channels.
     pub(super) made: &'a mut Vec<AxisBox<D>>,
     /// Their surfaces.
-    pub(super) walls: Arc<Walls<D>>,
+    pub(super) walls: Arc<Entry<Walls<D>>>,
     /// As the request gives them.
     pub(super) bounds: Option<AxisBox<D>>,
 }
@@ -26,8 +27,8 @@ pub(crate) struct Cut<'a, const D: usize> {
 /// All channels of some size between solids.
 #[derive(Debug, Clone)]
 pub(crate) struct Made<const D: usize> {
-    graph: Arc<Graph<D>>,
-    walls: Arc<Walls<D>>,
+    graph: Arc<Entry<Graph<D>>>,
+    walls: Arc<Entry<Walls<D>>>,
     /// Within these bounds.
     pub(super) bounds: AxisBox<D>,
     /// Larger than this on every axis, metres.
@@ -36,12 +37,12 @@ pub(crate) struct Made<const D: usize> {
 
 impl<const D: usize> Made<D> {
     /// The channels, and which of them meet.
-    pub(super) fn graph(&self) -> &Arc<Graph<D>> {
+    pub(super) fn graph(&self) -> &Arc<Entry<Graph<D>>> {
         &self.graph
     }
 
     /// The surfaces of the solids.
-    pub(super) fn walls(&self) -> &Arc<Walls<D>> {
+    pub(super) fn walls(&self) -> &Arc<Entry<Walls<D>>> {
         &self.walls
     }
 

@@ -15,6 +15,7 @@ use super::take::{Pieces, Surfaces, TakeSolids, take_all};
 use crate::answers::Resources;
 use crate::cache::{Content, Kind};
 use crate::check;
+use crate::entries::Entry;
 use crate::refuse::{Axes, FLOOR, Refused};
 use crate::scene::Scene;
 
@@ -133,7 +134,7 @@ pub(crate) fn floor_walls(
     buffers: &mut Buffers<2>,
     complement: &mut Complement<2>,
     resources: &mut Resources<'_>,
-) -> Result<Arc<Walls<2>>, Refused> {
+) -> Result<Arc<Entry<Walls<2>>>, Refused> {
     let Buffers { channels, outline, .. } = buffers;
     let bounds = bounds(scene, &FLOOR)?;
     let Some(given) = &scene.free_space.channels else {
@@ -195,7 +196,7 @@ fn surfaces<const D: usize>(
     within: Option<AxisBox<D>>,
     outline: &mut Vec<Vector<2>>,
     resources: &mut Resources<'_>,
-) -> Result<Arc<Walls<D>>, Refused>
+) -> Result<Arc<Entry<Walls<D>>>, Refused>
 where
     for<'b> Surfaces<'b, D>: TakeSolids<D>,
 {

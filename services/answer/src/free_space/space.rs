@@ -8,6 +8,7 @@ use planning::geometry::{AxisBox, HalfSpace};
 
 use crate::answers::Resources;
 use crate::cache::Kind;
+use crate::entries::Entry;
 use crate::refuse::Refused;
 
 use super::made::Made;
@@ -19,7 +20,7 @@ pub(crate) enum FreeSpace<'a, const D: usize> {
     /// The request's channels, in travel order.
     InOrder(&'a [AxisBox<D>], Around<D>),
     /// The request's channels in any order, and which of them meet.
-    Unordered(Arc<Graph<D>>, Around<D>),
+    Unordered(Arc<Entry<Graph<D>>>, Around<D>),
     /// Channels made from the request's solids, and which of them meet.
     Made(Made<D>),
 }
@@ -28,10 +29,10 @@ pub(crate) enum FreeSpace<'a, const D: usize> {
 #[derive(Debug, Clone)]
 pub(crate) enum Around<const D: usize> {
     /// The surfaces of the request's solids.
-    Solids(Arc<Walls<D>>),
+    Solids(Arc<Entry<Walls<D>>>),
     /// All that the channels leave, up to a mouth. It is found when it is asked for; the last
     /// is remembered.
-    Complement(Option<(Option<HalfSpace>, Arc<Walls<D>>)>),
+    Complement(Option<(Option<HalfSpace>, Arc<Entry<Walls<D>>>)>),
 }
 
 impl<const D: usize> FreeSpace<'_, D> {
@@ -45,7 +46,7 @@ impl<const D: usize> FreeSpace<'_, D> {
     }
 
     /// Which channels meet, unless their order is given.
-    pub(crate) fn graph(&self) -> Option<&Arc<Graph<D>>> {
+    pub(crate) fn graph(&self) -> Option<&Arc<Entry<Graph<D>>>> {
         match self {
             Self::InOrder(..) => None,
             Self::Unordered(graph, _) => Some(graph),
@@ -69,7 +70,7 @@ impl<const D: usize> FreeSpace<'_, D> {
         mouth: Option<HalfSpace>,
         complement: &mut Complement<D>,
         resources: &mut Resources<'_>,
-    ) -> Result<Arc<Walls<D>>, Refused> {
+    ) -> Result<Arc<Entry<Walls<D>>>, Refused> {
         let (channels, around) = match self {
             Self::InOrder(channels, around) => (*channels, around),
             Self::Unordered(graph, around) => (graph.channels(), around),
@@ -102,7 +103,7 @@ pub(super) fn complement_of<const D: usize>(
     mouth: Option<HalfSpace>,
     complement: &mut Complement<D>,
     resources: &mut Resources<'_>,
-) -> Result<Arc<Walls<D>>, Refused> {
+) -> Result<Arc<Entry<Walls<D>>>, Refused> {
     let Resources { budget, cache, .. } = resources;
     let content = cache.describe(Kind::ChannelsWalls, D);
     content.mouth(mouth);
