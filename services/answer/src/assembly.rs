@@ -60,16 +60,18 @@ struct Terms<'a, const D: usize> {
 const MOST_EXITS: usize = 6;
 
 /// An assembly task whose scene has been read and checked.
-struct AssemblyJob<'a, const D: usize> {
+struct AssemblyJob<'a, 'w, const D: usize> {
     terms: Terms<'a, D>,
     source: Source<'a, D>,
     /// The ways out that the request names, each once; at least one.
-    ways: [Option<WayOut<'a, D>>; MOST_EXITS],
+    ways: &'w mut WaysOut<'a, D>,
     /// The way out of the answer planned last.
     chosen: usize,
     memory: &'a mut Memory<D>,
     resources: Resources<'a>,
 }
+
+type WaysOut<'a, const D: usize> = [Option<WayOut<'a, D>>; MOST_EXITS];
 
 /// A way out of the part, and the free space for it once it is looked at.
 struct WayOut<'a, const D: usize> {
@@ -106,7 +108,9 @@ impl Assembly<2> {
         let size = body.bounds().size();
         let source = Source::read(scene, &PLANE, size.as_slice(), buffers, &mut resources)?;
         let budget = resources.budget;
-        let mut job = AssemblyJob::new(terms, source, memory, resources)?;
+        let mut ways = [const { None }; MOST_EXITS];
+        let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);
+        job.find_ways_out()?;
         let answered = answer_each(&mut job, wishes, (budget, stop), parts);
         if let Some(polygon) = polygon {
             *outline = polygon.into_vertices();
@@ -137,7 +141,9 @@ impl Assembly<3> {
         let size: Vector<3> = body.bounds().size();
         let source = Source::read(scene, &SPACE, size.as_slice(), buffers, &mut resources)?;
         let budget = resources.budget;
-        let mut job = AssemblyJob::new(terms, source, memory, resources)?;
+        let mut ways = [const { None }; MOST_EXITS];
+        let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);
+        job.find_ways_out()?;
         answer_each(&mut job, wishes, (budget, stop), parts)
     }
 }
@@ -196,14 +202,22 @@ impl<'a, const D: usize> Terms<'a, D> {
     }
 }
 
-impl<'a, const D: usize> AssemblyJob<'a, D> {
+impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
     fn new(
         terms: Terms<'a, D>,
-        mut source: Source<'a, D>,
+        source: Source<'a, D>,
+        ways: &'w mut WaysOut<'a, D>,
         memory: &'a mut Memory<D>,
-        mut resources: Resources<'a>,
-    ) -> Result<Self, Refused> {
-        let mut ways = [const { None }; MOST_EXITS];
+        resources: Resources<'a>,
+    ) -> Self {
+        memory.course.forget();
+        memory.best.forget();
+        Self { terms, source, ways, chosen: 0, memory, resources }
+    }
+
+    /// Finds the ways out that the request names.
+    fn find_ways_out(&mut self) -> Result<(), Refused> {
+        let Self { terms, source, ways, resources, .. } = self;
         let mut add = |exit: Direction, name| {
             let known =
                 |way: &&mut Option<WayOut<'_, D>>| way.as_ref().is_none_or(|way| way.exit == exit);
@@ -218,13 +232,10 @@ impl<'a, const D: usize> AssemblyJob<'a, D> {
             let up = terms.axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0);
             add(Direction { axis: up, sign: Sign::Positive }, None);
         }
-        memory.course.forget();
-        memory.best.forget();
-        if let [Some(only), None, ..] = &mut ways {
-            let (source, resources) = (&mut source, &mut resources);
+        if let [Some(only), None, ..] = ways {
             only.space = Some(terms.open(only.exit, source, Explain::Fully, resources)?);
         }
-        Ok(Self { terms, source, ways, chosen: 0, memory, resources })
+        Ok(())
     }
 
     /// Finds the path of an answer. Where there are several ways out, it is the shortest.
@@ -298,13 +309,17 @@ impl<'a, const D: usize> AssemblyJob<'a, D> {
                     .map_err(|error| refuse::chain(axes, error))?;
             }
         }
+        // All other walls are the channels' own sides.
+        let (has_solids, is_made) = (space.has_solids(), !space.made().is_empty());
         let walls = space.walls(course.mouth(), complement, resources)?;
         course
             .disassemble(body, gap, budget)
             .map_err(|error| refuse::disassembly(axes, wish.field(), error))?;
-        match course.measure(body, &walls, budget)? {
+        match course.measure(body, walls, budget)? {
             Some(near)
-                if near.value <= 0.0 && !course.is_contact(body, space, &walls, budget)? =>
+                if near.value <= 0.0
+                    && has_solids
+                    && !course.is_contact(body, walls, is_made, budget)? =>
             {
                 Err(refuse::wall_in_the_way(&near).into())
             }
@@ -313,7 +328,7 @@ impl<'a, const D: usize> AssemblyJob<'a, D> {
     }
 }
 
-impl<const D: usize> Job for AssemblyJob<'_, D> {
+impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
     fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         self.find(wish)?;
         let made = 2 * D * self.made().len();

@@ -77,12 +77,17 @@ impl Content {
         self.0.push(word);
     }
 
+    /// Makes room for so many more words.
+    pub(crate) fn reserve(&mut self, words: usize) {
+        self.0.reserve(words);
+    }
+
     pub(crate) fn numbers(&mut self, numbers: &[f64]) {
         self.0.extend(numbers.iter().map(|number| number.to_bits()));
     }
 
     pub(crate) fn boxes<const D: usize>(&mut self, boxes: &[AxisBox<D>]) {
-        self.0.reserve(2 * D * boxes.len());
+        self.reserve(2 * D * boxes.len());
         for sides in boxes {
             self.numbers(sides.min().as_slice());
             self.numbers(sides.max().as_slice());
@@ -205,8 +210,9 @@ impl Cache {
         let made = Arc::new(Entry { head: Head { content, bytes, cost }, made });
         let entry: Arc<dyn AnyEntry> = made.clone();
         let mut kept = self.store.lock();
-        kept.entries.insert(Arc::clone(&entry));
-        self.last.remember(&entry);
+        if kept.entries.insert(&entry) {
+            self.last.remember(&entry);
+        }
         drop(kept);
         self.used.add(entry);
         Ok(made)

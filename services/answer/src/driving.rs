@@ -91,7 +91,7 @@ impl Driving {
             return answer_each(&mut job, wishes, (budget, stop), parts);
         }
         let mut space = given_channels(scene, &FLOOR, buffers, &mut resources)?;
-        let walls = space.walls(None, &mut memory.complement, &mut resources)?;
+        let walls = space.walls(None, &mut memory.complement, &mut resources)?.clone();
         if let FreeSpace::InOrder(channels, _) = &space {
             let route = 0..channels.len();
             memory.course.lead(channels, route, &errand, resources.budget)?;

@@ -143,33 +143,46 @@ impl Entries {
     /// The entry made from this content, which is used now.
     pub(crate) fn find(&mut self, content: &[u64]) -> Option<Arc<dyn AnyEntry>> {
         // Most often it is the last one used.
-        let last = self.entries.back();
-        if last.is_none_or(|ByContent(last)| *last.head().content != *content) {
-            if !self.entries.to_back(content) {
-                return None;
-            }
-            self.count_change();
+        let ByContent(last) = self.entries.back()?;
+        if *last.head().content == *content {
+            return Some(Arc::clone(last));
         }
+        if !self.entries.to_back(content) {
+            return None;
+        }
+        self.count_change();
         self.entries.back().map(|ByContent(entry)| Arc::clone(entry))
     }
 
-    pub(crate) fn insert(&mut self, entry: Arc<dyn AnyEntry>) {
+    /// Keeps an entry that is used now; unless it is too large by itself, which is at once left to
+    /// the request that made it. Whether it is kept.
+    pub(crate) fn insert(&mut self, entry: &Arc<dyn AnyEntry>) -> bool {
         let Head { content, bytes, .. } = entry.head();
-        if let Some(ByContent(replaced)) = self.entries.take(&**content) {
-            self.stats.bytes -= replaced.head().bytes;
+        if *bytes > self.most() {
+            return false;
         }
         self.stats.bytes += bytes;
-        self.entries.insert(ByContent(entry));
+        if let Some(ByContent(replaced)) = self.entries.replace(ByContent(Arc::clone(entry))) {
+            // Two made it at a time.
+            self.stats.bytes -= replaced.head().bytes;
+            self.entries.to_back(&**content);
+        }
         self.count_change();
         self.most_entries = self.most_entries.max(self.entries.len());
         self.stats.entries = self.entries.len();
+        true
+    }
+
+    /// The most that entries may take, bytes.
+    fn most(&self) -> usize {
+        self.most_bytes.saturating_sub(self.elsewhere)
     }
 
     /// Takes out what no longer fits the bound, after a request that used `used`.
     pub(crate) fn evict(&mut self, used: &mut Used) -> Evicted {
-        let most = self.most_bytes.saturating_sub(self.elsewhere);
+        let most = self.most();
         let mut evicted = Vec::new();
-        // An entry that is too large by itself should not evict the others.
+        // An entry that is too large by itself by now should not evict the others.
         for head in used.entries.iter().map(|entry| entry.head()).filter(|head| head.bytes > most) {
             evicted.extend(self.entries.take(&*head.content));
         }

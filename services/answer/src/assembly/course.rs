@@ -9,8 +9,6 @@ use planning::free_space::{Chain, ChainError, End};
 use planning::geometry::{AxisBox, Direction, HalfSpace};
 use planning::motion::Curve;
 
-use crate::free_space::FreeSpace;
-
 /// The channels travelled, the path through them, and how close it comes to the walls.
 #[derive(Debug, Default)]
 pub(super) struct Course<const D: usize> {
@@ -110,30 +108,27 @@ impl<const D: usize> Course<D> {
     }
 
     /// Whether a clearance of 0 is no more than contact, because the body stays where no solid
-    /// is: in the channels (lemma 1 of docs/method.md) and, at the end, beyond the mouth.
+    /// is: in the channels (lemma 1 of docs/method.md), given or made from the solids, and, at the
+    /// end, beyond the mouth.
     pub(super) fn is_contact(
         &self,
         body: &Body<'_, D>,
-        space: &FreeSpace<'_, D>,
-        walls: &Walls<D>,
+        solids: &Walls<D>,
+        is_made: bool,
         budget: &Budget<'_>,
     ) -> Result<bool, Spent> {
-        // All other walls are the channels' own sides.
-        if !space.has_solids() {
-            return Ok(true);
-        }
         let Some(Curve::Line { to, .. }) = self.path.legs().last().map(|leg| leg.curve) else {
             return Ok(false);
         };
         // Channels made from the solids are free of them.
-        if space.made().is_empty() {
+        if !is_made {
             for channel in self.chain.channels() {
-                if !walls.is_free(channel, budget)? {
+                if !solids.is_free(channel, budget)? {
                     return Ok(false);
                 }
             }
         }
-        walls.is_free(&body.bounds().translated(&to), budget)
+        solids.is_free(&body.bounds().translated(&to), budget)
     }
 
     /// Turns the path round. What was measured on the way out is exact in every number.

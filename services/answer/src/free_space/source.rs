@@ -213,7 +213,10 @@ where
 }
 
 fn describe<const D: usize>(scene: Scene<'_>, content: &mut Content) {
-    for solid in scene.free_space.solids.iter().flatten() {
+    // For boxes; polygons may take more.
+    let solids = scene.free_space.solids.as_deref().unwrap_or_default();
+    content.reserve((1 + 2 * D) * solids.len());
+    for solid in solids {
         match solid {
             Solid::Box(sides) => {
                 content.word(0);

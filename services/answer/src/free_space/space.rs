@@ -70,22 +70,22 @@ impl<const D: usize> FreeSpace<'_, D> {
         mouth: Option<HalfSpace>,
         complement: &mut Complement<D>,
         resources: &mut Resources<'_>,
-    ) -> Result<Arc<Entry<Walls<D>>>, Refused> {
+    ) -> Result<&Arc<Entry<Walls<D>>>, Refused> {
         let (channels, around) = match self {
             Self::InOrder(channels, around) => (*channels, around),
             Self::Unordered(graph, around) => (graph.channels(), around),
-            Self::Made(made) => return Ok(made.walls().clone()),
+            Self::Made(made) => return Ok(made.walls()),
         };
         let last = match around {
-            Around::Solids(walls) => return Ok(walls.clone()),
+            Around::Solids(walls) => return Ok(walls),
             Around::Complement(last) => last,
         };
-        if let Some((_, walls)) = last.as_ref().filter(|(up_to, _)| *up_to == mouth) {
-            return Ok(walls.clone());
-        }
-        let walls = complement_of(channels, mouth, complement, resources)?;
-        *last = Some((mouth, walls.clone()));
-        Ok(walls)
+        let known = last.take().filter(|(up_to, _)| *up_to == mouth);
+        let known = match known {
+            Some(known) => known,
+            None => (mouth, complement_of(channels, mouth, complement, resources)?),
+        };
+        Ok(&last.insert(known).1)
     }
 
     /// The channels that were made from solids.
