@@ -126,7 +126,7 @@ struct Last {
     changes: Arc<AtomicU64>,
     /// As many as there were then.
     at: u64,
-    /// Weak, so that it goes when others evict it.
+    /// Weak, so that what it holds is freed when others evict it.
     entry: Option<Weak<dyn AnyEntry>>,
 }
 
