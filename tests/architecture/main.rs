@@ -67,11 +67,20 @@ fn dependencies_run_one_way() {
             vec!["schemas", "answer", "configuration", "floor-plan", "bus", "program", "render"],
         ),
         ("recorder", vec!["schemas", "bus", "recording", "program"]),
-        // Plans and compares without a bus.
+        // Plans and compares; asks a running planner only if told.
         ("comparison", vec!["schemas", "recording"]),
         (
             "replay",
-            vec!["schemas", "answer", "configuration", "comparison", "recording", "program"],
+            vec![
+                "schemas",
+                "answer",
+                "bus",
+                "configuration",
+                "comparison",
+                "recording",
+                "render",
+                "program",
+            ],
         ),
         // Runs what the other programs run, by their libraries.
         ("demo", [&SERVICES[..], &TOOLS].concat()),
@@ -80,7 +89,7 @@ fn dependencies_run_one_way() {
         // Reads what others wrote, by the libraries that read it.
         ("fuzz-targets", vec!["schemas", "answer", "recording", "floor-plan"]),
         // Tests know everything.
-        ("schema-tests", vec!["answer", "schemas"]),
+        ("schema-tests", vec!["answer", "comparison", "schemas"]),
         ("peers", vec!["answer", "floor-plan", "schemas"]),
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
         ("soak", vec!["schemas", "answer", "bus", "program", "integration-tests"]),

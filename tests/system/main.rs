@@ -11,6 +11,7 @@ mod hostile;
 mod operation;
 mod plan;
 mod planner;
+mod play;
 mod read;
 mod recorder;
 mod recordings;

@@ -26,7 +26,7 @@ use crate::message::{Named, Vector};
 /// assert_eq!(schema["required"], serde_json::json!(["task", "free_space", "body", "clearance"]));
 /// ```
 pub fn scene() -> String {
-    generate::<SceneJson>("urn:clearway:schema:scene", "Clearway scene request")
+    describe::<SceneJson>("urn:clearway:schema:scene", "Clearway scene request")
 }
 
 /// The schema of replies, as the text of its file.
@@ -36,10 +36,11 @@ pub fn scene() -> String {
 /// assert_eq!(schema["title"], "Clearway reply");
 /// ```
 pub fn reply() -> String {
-    generate::<ReplyJson>("urn:clearway:schema:reply", "Clearway reply")
+    describe::<ReplyJson>("urn:clearway:schema:reply", "Clearway reply")
 }
 
-fn generate<T: JsonSchema>(id: &str, title: &str) -> String {
+/// The schema of a type, as the text of its file.
+pub fn describe<T: JsonSchema>(id: &str, title: &str) -> String {
     let settings = SchemaSettings::draft2020_12();
     let mut schema = settings.into_generator().into_root_schema_for::<T>();
     Plain.transform(&mut schema);
@@ -57,7 +58,7 @@ struct Plain;
 impl Transform for Plain {
     fn transform(&mut self, schema: &mut Schema) {
         match schema.remove("format") {
-            Some(format) if format == "uint64" => {
+            Some(format) if format == "uint64" || format == "uint" => {
                 schema.insert("maximum".to_owned(), u64::MAX.into());
             }
             Some(format) if format == "double" => {}

@@ -49,16 +49,20 @@ mod store;
 mod uploads;
 mod wish;
 
+use std::convert::Infallible;
+
 use planning::budget::Budget;
 use schemas::convert::{self, PartSink};
-use schemas::message::{Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest, Task};
+use schemas::message::{
+    Refusal, Reply, ReplyPart, Request, RequestContent, RequestKey, SceneRequest, Task,
+};
 use schemas::wire;
 
 use answers::{Resources, Stop};
 use assembly::Assembly;
 use cache::Cache;
 use driving::Driving;
-use parts::{Collect, Parts};
+use parts::{Collect, Keep, Parts};
 use scene::Scene;
 use sink::{AnySink, SinkFailed, with_any_sink};
 use stop::Watched;
@@ -344,23 +348,34 @@ impl Answerer {
     /// Answers a request.
     pub fn reply_to(&mut self, request: &Request) -> Reply {
         let mut collect = Collect::default();
+        self.answer(request, &mut collect);
+        collect.reply()
+    }
+
+    /// Answers a request with the parts that a planner sends; they carry no time.
+    pub fn parts_to(&mut self, request: &Request) -> Vec<ReplyPart> {
+        let mut keep = Keep::default();
+        self.answer(request, &mut keep);
+        keep.parts
+    }
+
+    fn answer(&mut self, request: &Request, sink: &mut impl PartSink<Error = Infallible>) {
         let stop = StopFlag::new();
         let Ok(()) = match &request.content {
             // Through memory as on the bus, so that the same is refused in the same words.
             RequestContent::Scene(scene) => {
                 let mut cells = Vec::new();
                 match convert::write_scene(scene, request.key, request.sent_ns, &mut cells) {
-                    Ok(header) => self.0.answer(&header, &cells, &stop, &mut collect),
+                    Ok(header) => self.0.answer(&header, &cells, &stop, sink),
                     Err(refusal) => {
-                        Parts::new(request.key, scene.id, 0, &mut collect).refuse(&refusal, true)
+                        Parts::new(request.key, scene.id, 0, sink).refuse(&refusal, true)
                     }
                 }
             }
             RequestContent::Unreadable { header, cells } => {
-                self.0.answer(&convert::header_of(header), cells, &stop, &mut collect)
+                self.0.answer(&convert::header_of(header), cells, &stop, sink)
             }
         };
-        collect.reply()
     }
 }
 

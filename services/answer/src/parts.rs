@@ -7,7 +7,7 @@ use planning::geometry::{self, Vector};
 use planning::motion::{self, Curve, Leg, wrapped};
 use planning::trajectory::{Sampler, State};
 use schemas::convert::{self, CellWriter, PartSink, Samples, TrajectoryWriter};
-use schemas::message::{self, AxisBox, Refusal, Reply, ReplyAssembler, RequestKey};
+use schemas::message::{self, AxisBox, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey};
 use schemas::wire::{self, ReplyHeader, reported};
 
 /// A reply on its way: counts parts and answers.
@@ -184,6 +184,30 @@ impl PartSink for Collect {
         fill(&mut CellWriter::new(&mut self.cells));
         let part = convert::read_part(header, &self.cells).expect("what was just written");
         self.reply = self.assembler.push(part).expect("parts written in order");
+        Ok(())
+    }
+}
+
+/// Keeps the parts of a reply.
+#[derive(Default)]
+pub(crate) struct Keep {
+    cells: Vec<u64>,
+    pub(crate) parts: Vec<ReplyPart>,
+}
+
+impl PartSink for Keep {
+    type Error = Infallible;
+
+    fn part(
+        &mut self,
+        header: &ReplyHeader,
+        cells: usize,
+        fill: impl FnOnce(&mut CellWriter),
+    ) -> Result<(), Infallible> {
+        self.cells.clear();
+        self.cells.resize(cells, 0);
+        fill(&mut CellWriter::new(&mut self.cells));
+        self.parts.push(convert::read_part(header, &self.cells).expect("what was just written"));
         Ok(())
     }
 }

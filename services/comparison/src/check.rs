@@ -2,12 +2,14 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 use std::{fs, io};
 
-use schemas::message::{Reply, Request, RequestKey};
+use schemas::message::{Reply, Request, RequestContent, RequestKey};
 
-use crate::compare::{Difference, Outcome, Tolerance, compare};
-use crate::exchanges::{self, Contents};
+use crate::compare::{Comparison, Difference, Outcome, Verdict, compare};
+use crate::exchanges::{self, Contents, Exchange};
+use crate::tolerance::Tolerance;
 
 /// Differences of a file that its text shows.
 const MOST_SHOWN: usize = 10;
@@ -32,8 +34,29 @@ pub struct Case {
     pub index: u64,
     /// The request.
     pub key: RequestKey,
+    /// The scene's id.
+    pub id: Option<u64>,
     /// How its reply compares.
-    pub outcome: Outcome,
+    pub comparison: Comparison,
+    /// How long it took to plan it again.
+    pub planning: Duration,
+}
+
+impl Case {
+    /// Compares the reply that was recorded with the one planned now.
+    pub fn new(
+        exchange: &Exchange,
+        (planned, planning): (&Reply, Duration),
+        tolerance: &Tolerance,
+    ) -> Self {
+        let Exchange { index, request, reply, uploads: _ } = exchange;
+        let id = match &request.content {
+            RequestContent::Scene(scene) => scene.id,
+            RequestContent::Unreadable { .. } => reply.id,
+        };
+        let comparison = compare(reply, planned, tolerance);
+        Self { index: *index, key: request.key, id, comparison, planning }
+    }
 }
 
 /// How many replies compare in which way.
@@ -43,6 +66,8 @@ pub struct Counts {
     pub equal: u64,
     /// Equal replies with differently worded messages.
     pub reworded: u64,
+    /// Equal replies with differences within tolerance.
+    pub within: u64,
     /// Replies that differ.
     pub different: u64,
     /// Replies that depend on load.
@@ -50,12 +75,14 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Counts one outcome.
-    pub fn add(&mut self, outcome: &Outcome) {
-        match outcome {
+    /// Counts a reply.
+    pub fn add(&mut self, comparison: &Comparison) {
+        match &comparison.outcome {
             Outcome::Equal { reworded } => {
                 self.equal += 1;
                 self.reworded += u64::from(*reworded > 0);
+                let mut answers = comparison.answers.iter();
+                self.within += u64::from(answers.any(|it| it.verdict == Verdict::Within));
             }
             Outcome::Different(_) => self.different += 1,
             Outcome::NotRepeatable => self.not_repeatable += 1,
@@ -63,15 +90,31 @@ impl Counts {
     }
 }
 
+impl Counts {
+    /// Such as `3 equal (1 worded differently)`.
+    pub fn equal(&self) -> String {
+        match (self.equal, self.reworded) {
+            (equal, 0) => format!("{equal} equal"),
+            (equal, reworded) => format!("{equal} equal ({reworded} worded differently)"),
+        }
+    }
+
+    /// Such as ` (1 within tolerance)`; nothing if there is none.
+    pub fn within(&self) -> String {
+        match self.within {
+            0 => String::new(),
+            within => format!(" ({within} within tolerance)"),
+        }
+    }
+}
+
 /// The counts that are not 0, such as `3 equal (1 worded differently), 2 different`.
 impl fmt::Display for Counts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { equal, reworded, different, not_repeatable } = *self;
+        let Self { equal, reworded: _, within: _, different, not_repeatable } = *self;
         let mut parts = Vec::new();
-        match (equal, reworded) {
-            (0, _) => {}
-            (_, 0) => parts.push(format!("{equal} equal")),
-            _ => parts.push(format!("{equal} equal ({reworded} worded differently)")),
+        if equal > 0 {
+            parts.push(self.equal());
         }
         if different > 0 {
             parts.push(format!("{different} different"));
@@ -79,7 +122,7 @@ impl fmt::Display for Counts {
         if not_repeatable > 0 {
             parts.push(format!("{not_repeatable} not repeatable (depend on load)"));
         }
-        f.write_str(&parts.join(", "))
+        write!(f, "{}{}", parts.join(", "), self.within())
     }
 }
 
@@ -87,13 +130,13 @@ impl Checked {
     /// How many replies compare in which way.
     pub fn counts(&self) -> Counts {
         let mut counts = Counts::default();
-        self.cases.iter().for_each(|case| counts.add(&case.outcome));
+        self.cases.iter().for_each(|case| counts.add(&case.comparison));
         counts
     }
 
     /// The replies that differ.
     pub fn differences(&self) -> impl Iterator<Item = (&Case, &Difference)> {
-        self.cases.iter().filter_map(|case| match &case.outcome {
+        self.cases.iter().filter_map(|case| match &case.comparison.outcome {
             Outcome::Different(difference) => Some((case, &**difference)),
             Outcome::Equal { .. } | Outcome::NotRepeatable => None,
         })
@@ -116,6 +159,11 @@ impl fmt::Display for Checked {
         };
         for (case, difference) in self.differences().take(MOST_SHOWN) {
             writeln!(f, "{path}: {case}: {difference}")?;
+            for answer in
+                case.comparison.answers.iter().filter(|answer| answer.verdict.is_regression())
+            {
+                writeln!(f, "    {answer}")?;
+            }
         }
         let counts = self.counts();
         let left = counts.different.saturating_sub(MOST_SHOWN as u64);
@@ -140,11 +188,11 @@ impl fmt::Display for Checked {
     }
 }
 
-/// Plans the requests of a recording again with `plan` and compares the replies with those
+/// Plans the requests of a recording again with `plan`, one after the other, and compares the replies with those
 /// recorded. `files` are its files, one or more; `progress` receives the number of bytes read.
 pub fn check(
     files: &[PathBuf],
-    tolerance: Tolerance,
+    tolerance: &Tolerance,
     mut plan: impl FnMut(&Request) -> Reply,
     progress: impl FnMut(u64),
 ) -> Checked {
@@ -154,9 +202,9 @@ pub fn check(
             // So that its free space is known.
             plan(upload);
         }
+        let began = Instant::now();
         let planned = plan(&exchange.request);
-        let outcome = compare(&exchange.reply, &planned, tolerance);
-        cases.push(Case { index: exchange.index, key: exchange.request.key, outcome });
+        cases.push(Case::new(&exchange, (&planned, began.elapsed()), tolerance));
     });
     let path = files.first().cloned().unwrap_or_default();
     Checked { path, more: files.len().saturating_sub(1), contents, cases }

@@ -1,13 +1,15 @@
 //! Compares two recordings.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use schemas::codec;
-use schemas::message::{Reply, Request, RequestKey};
+use schemas::message::{Reply, RequestKey};
 
-use crate::compare::{Outcome, Tolerance, compare};
-use crate::exchanges::{self, Contents};
+use crate::check::Counts;
+use crate::compare::{Comparison, compare};
+use crate::exchanges::{self, Contents, Exchange};
+use crate::pair::{Identity, pair};
+use crate::tolerance::Tolerance;
 
 /// How the replies of two recordings compare.
 #[derive(Debug)]
@@ -16,50 +18,90 @@ pub struct Compared {
     pub contents: [Contents; 2],
     /// The requests that both have, in the order of the first.
     pub pairs: Vec<Pair>,
-    /// Requests that only one of them has.
+    /// Requests that only one of them has, in its order.
     pub alone: [Vec<RequestKey>; 2],
+}
+
+impl Compared {
+    /// How many pairs compare in which way.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        self.pairs.iter().for_each(|pair| counts.add(&pair.comparison));
+        counts
+    }
 }
 
 /// A request in both recordings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
+    /// Its place in each, from 0.
+    pub indices: [u64; 2],
     /// The request in each: clients draw new keys when they start.
     pub keys: [RequestKey; 2],
+    /// The scene's id.
+    pub id: Option<u64>,
     /// How the replies compare.
-    pub outcome: Outcome,
+    pub comparison: Comparison,
 }
 
-/// Compares the recordings `first` and `second`. Requests are paired by content: the n-th of
-/// several equal requests in the first with the n-th in the second. `progress` is told how
-/// many bytes of the recording at hand have been read.
+/// The requests of a recording, in its order.
+#[derive(Default)]
+struct Requests(BTreeMap<u64, Identity>);
+
+impl Requests {
+    fn add(&mut self, exchange: &Exchange) {
+        self.0.insert(exchange.index, Identity::from(&exchange.request));
+    }
+
+    fn indices(&self) -> Vec<u64> {
+        self.0.keys().copied().collect()
+    }
+
+    fn identities(&self) -> Vec<Identity> {
+        self.0.values().copied().collect()
+    }
+}
+
+/// Compares the recordings `first` and `second`; their requests are paired by [`pair`]. `progress`
+/// is told how many bytes of the recording at hand have been read, `each` gets every pair with the
+/// exchange of the first recording and the reply of the second.
 ///
-/// Memory: all of the second recording.
+/// The first recording is read twice. Memory: the replies of the second.
 pub fn diff(
     [first, second]: [&Path; 2],
-    tolerance: Tolerance,
+    tolerance: &Tolerance,
     mut progress: impl FnMut(u64),
+    mut each: impl FnMut(&Pair, &Exchange, &Reply),
 ) -> Compared {
-    let mut others: BTreeMap<Vec<u8>, VecDeque<Reply>> = BTreeMap::new();
-    let second = exchanges::read(second, &mut progress, |exchange| {
-        others.entry(question(&exchange.request)).or_default().push_back(exchange.reply);
+    let mut requests = [Requests::default(), Requests::default()];
+    let mut replies: BTreeMap<u64, Reply> = BTreeMap::new();
+    let contents = [
+        exchanges::read(first, &mut progress, |exchange| requests[0].add(&exchange)),
+        exchanges::read(second, &mut progress, |exchange| {
+            requests[1].add(&exchange);
+            replies.insert(exchange.index, exchange.reply);
+        }),
+    ];
+    let identities = requests.each_ref().map(Requests::identities);
+    let indices = requests.each_ref().map(Requests::indices);
+    let paired = pair([&identities[0], &identities[1]]);
+    let partner: BTreeMap<u64, u64> =
+        paired.pairs.iter().map(|[one, other]| (indices[0][*one], indices[1][*other])).collect();
+    let mut pairs = Vec::with_capacity(partner.len());
+    exchanges::read(first, &mut progress, |exchange| {
+        let Some(other) = partner.get(&exchange.index) else { return };
+        let Some(mut reply) = replies.remove(other) else { return };
+        let (key, other_key) = (exchange.reply.key, reply.key);
+        let id = requests[0].0.get(&exchange.index).and_then(|identity| identity.id);
+        reply.key = key;
+        let comparison = compare(&exchange.reply, &reply, tolerance);
+        let indices = [exchange.index, *other];
+        let pair = Pair { indices, keys: [key, other_key], id, comparison };
+        each(&pair, &exchange, &reply);
+        pairs.push(pair);
     });
-    let (mut pairs, mut alone) = (Vec::new(), [Vec::new(), Vec::new()]);
-    let first = exchanges::read(first, &mut progress, |exchange| {
-        let replies = others.get_mut(&question(&exchange.request));
-        let Some(mut other) = replies.and_then(VecDeque::pop_front) else {
-            alone[0].push(exchange.reply.key);
-            return;
-        };
-        let keys = [exchange.reply.key, other.key];
-        other.key = exchange.reply.key;
-        pairs.push(Pair { keys, outcome: compare(&exchange.reply, &other, tolerance) });
-    });
-    alone[1].extend(others.into_values().flatten().map(|reply| reply.key));
-    alone[1].sort();
-    Compared { contents: [first, second], pairs, alone }
-}
-
-/// What a request asks, regardless of who asks and when.
-fn question(request: &Request) -> Vec<u8> {
-    codec::encode(&request.content)
+    pairs.sort_by_key(|pair| pair.indices[0]);
+    let alone = [0, 1]
+        .map(|list: usize| paired.alone[list].iter().map(|at| identities[list][*at].key).collect());
+    Compared { contents, pairs, alone }
 }

@@ -1,6 +1,7 @@
 //! A recording's requests with their whole replies.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use recording::{
@@ -18,6 +19,22 @@ pub struct Exchange {
     pub request: Request,
     /// What was answered.
     pub reply: Reply,
+    /// Requests before the recording that had made free spaces known to which requests up to this
+    /// one refer.
+    pub uploads: Vec<Request>,
+}
+
+/// A request with its reply, if that is whole.
+#[derive(Debug)]
+pub struct Asked {
+    /// Counts the recording's requests, from 0.
+    pub index: u64,
+    /// What was asked.
+    pub request: Request,
+    /// What was answered.
+    pub reply: Option<Reply>,
+    /// When the last part of the reply was sent; nanoseconds since the Unix epoch.
+    pub replied_ns: Option<u64>,
     /// Requests before the recording that had made free spaces known to which requests up to this
     /// one refer.
     pub uploads: Vec<Request>,
@@ -176,21 +193,51 @@ pub fn read(path: &Path, progress: impl FnMut(u64), each: impl FnMut(Exchange)) 
 /// Reads a recording in several files, in their order; see [`read`].
 pub fn read_all(
     paths: &[impl AsRef<Path>],
-    mut progress: impl FnMut(u64),
+    progress: impl FnMut(u64),
     mut each: impl FnMut(Exchange),
+) -> Contents {
+    // They wait for the next request that has its whole reply.
+    let mut before = Vec::new();
+    read_asked(paths, progress, |Asked { index, request, reply, replied_ns: _, uploads }| {
+        before.extend(uploads);
+        if let Some(reply) = reply {
+            each(Exchange { index, request, reply, uploads: std::mem::take(&mut before) });
+        }
+        ControlFlow::Continue(())
+    })
+}
+
+/// Reads a recording in several files until `each` has seen enough; it gets every request: as soon
+/// as the reply is whole, and those whose replies are not whole as soon as that is certain.
+///
+/// Memory: requests whose replies are not yet whole, with the parts read.
+pub fn read_asked(
+    paths: &[impl AsRef<Path>],
+    mut progress: impl FnMut(u64),
+    mut each: impl FnMut(Asked) -> ControlFlow<()>,
 ) -> Contents {
     let mut contents = Contents::default();
     let mut open = Open::default();
+    let mut flow = ControlFlow::Continue(());
     for (index, path) in paths.iter().enumerate() {
         let is_last = index + 1 == paths.len();
-        open.read(path.as_ref(), is_last, &mut contents, &mut progress, &mut each);
-        if contents.failure().is_some() {
+        flow = open.read(path.as_ref(), is_last, &mut contents, &mut progress, &mut each);
+        if contents.failure().is_some() || flow.is_break() {
             break;
         }
     }
-    let Open { pending, orphans, .. } = open;
-    contents.losses.extend(pending.into_values().map(|waiting| waiting.loss()));
-    contents.losses.extend(orphans.into_iter().map(|(key, parts)| Loss::NoRequest { key, parts }));
+    // Whoever has seen enough has not seen what is missing.
+    if flow.is_continue() {
+        let Open { pending, orphans, .. } = open;
+        for waiting in pending.into_values() {
+            let asked = waiting.unanswered(&mut contents.losses);
+            if flow.is_continue() {
+                flow = each(asked);
+            }
+        }
+        let orphans = orphans.into_iter();
+        contents.losses.extend(orphans.map(|(key, parts)| Loss::NoRequest { key, parts }));
+    }
     contents
 }
 
@@ -213,17 +260,23 @@ impl Open {
         is_last: bool,
         contents: &mut Contents,
         progress: &mut impl FnMut(u64),
-        each: &mut impl FnMut(Exchange),
-    ) {
+        each: &mut impl FnMut(Asked) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut flow = ControlFlow::Continue(());
         let bytes_before = contents.bytes;
         let mut reader = match Reader::open(path) {
             Ok(reader) => reader,
-            Err(error) => return contents.error = Some(error),
+            Err(error) => {
+                contents.error = Some(error);
+                return flow;
+            }
         };
-        while let Some(record) = reader.next() {
+        while flow.is_continue()
+            && let Some(record) = reader.next()
+        {
             self.uploads.extend(reader.take_free_spaces());
             match record {
-                Ok(record) => self.take(record, contents, each),
+                Ok(record) => flow = self.take(record, contents, each),
                 Err(error) => {
                     contents.error = Some(error);
                     break;
@@ -253,9 +306,15 @@ impl Open {
         if is_last || contents.error.is_some() {
             contents.heartbeat = reader.heartbeat();
         }
+        flow
     }
 
-    fn take(&mut self, record: Record, contents: &mut Contents, each: &mut impl FnMut(Exchange)) {
+    fn take(
+        &mut self,
+        record: Record,
+        contents: &mut Contents,
+        each: &mut impl FnMut(Asked) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let (first, last) = contents.times_ns.unwrap_or((record.log_ns, record.log_ns));
         contents.times_ns = Some((first.min(record.log_ns), last.max(record.log_ns)));
         match record.message {
@@ -265,35 +324,38 @@ impl Open {
                 let assembler = ReplyAssembler::default();
                 let begun = Pending { index, request, assembler, error: None };
                 // A client may ask again under the same key when no reply comes.
-                if let Some(before) = self.pending.insert(key, begun) {
-                    contents.losses.push(before.loss());
-                }
+                let before = self.pending.insert(key, begun);
                 contents.requests += 1;
+                if let Some(before) = before {
+                    return each(before.unanswered(&mut contents.losses));
+                }
             }
             Message::Reply(part) => {
                 contents.parts += 1;
                 let key = part.key;
                 let Some(waiting) = self.pending.get_mut(&key) else {
                     *self.orphans.entry(key).or_insert(0) += 1;
-                    return;
+                    return ControlFlow::Continue(());
                 };
-                let last = part.last;
+                let (last, sent_ns) = (part.last, part.sent_ns);
                 let reply = waiting.push(part);
                 if !last {
-                    return;
+                    return ControlFlow::Continue(());
                 }
                 let waiting = self.pending.remove(&key).expect("it was just there");
-                match reply {
+                return each(match reply {
                     Some(reply) => {
                         contents.exchanges += 1;
-                        let (index, request) = (waiting.index, waiting.request);
-                        let uploads = std::mem::take(&mut self.uploads);
-                        each(Exchange { index, request, reply, uploads });
+                        let Pending { index, request, .. } = waiting;
+                        let (replied_ns, uploads) =
+                            (Some(sent_ns), std::mem::take(&mut self.uploads));
+                        Asked { index, request, reply: Some(reply), replied_ns, uploads }
                     }
-                    None => contents.losses.push(waiting.loss()),
-                }
+                    None => waiting.unanswered(&mut contents.losses),
+                });
             }
         }
+        ControlFlow::Continue(())
     }
 }
 
@@ -310,12 +372,15 @@ impl Pending {
         })
     }
 
-    fn loss(self) -> Loss {
-        let (index, key) = (self.index, self.request.key);
-        match (self.error, self.assembler.parts()) {
+    /// The request alone, with what is missing noted among `losses`.
+    fn unanswered(self, losses: &mut Vec<Loss>) -> Asked {
+        let Self { index, request, assembler, error } = self;
+        let key = request.key;
+        losses.push(match (error, assembler.parts()) {
             (Some(error), _) => Loss::Broken { index, key, error },
             (None, 0) => Loss::NoReply { index, key },
             (None, parts) => Loss::NoEnd { index, key, parts },
-        }
+        });
+        Asked { index, request, reply: None, replied_ns: None, uploads: Vec::new() }
     }
 }

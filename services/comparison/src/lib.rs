@@ -1,11 +1,17 @@
 //! Recorded exchanges, planned again and compared.
 //!
-//! [`exchanges`] puts requests and replies of a recording together, [`compare`] finds the
-//! first difference of two replies, [`check`] plans a recording's requests again, and
-//! [`diff`] compares two recordings. How a request is planned is an argument: this crate
-//! knows neither the planner nor the bus.
+//! [`exchanges`] puts requests and replies of a recording together, [`compare`] compares two
+//! replies answer by answer, [`check`] plans a recording's requests again, and [`diff`] compares
+//! two recordings, whose requests [`pair`] puts side by side. How a request is planned is an
+//! argument: this crate knows neither the planner nor the bus.
 
 pub mod check;
 pub mod compare;
+mod describe;
 pub mod diff;
 pub mod exchanges;
+pub mod motion;
+pub mod named;
+pub mod pair;
+pub mod report;
+pub mod tolerance;

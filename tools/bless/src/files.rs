@@ -50,6 +50,10 @@ pub(crate) const FILES: &[File] = &[
     whole("docs/figures/tangents.svg", figures::tangents::figure),
     whole("schemas/src/wire/layout.txt", schemas::wire::layout_text),
     #[cfg(feature = "json-schema")]
+    whole("schemas/json/check.schema.json", comparison::report::schema::check),
+    #[cfg(feature = "json-schema")]
+    whole("schemas/json/diff.schema.json", comparison::report::schema::diff),
+    #[cfg(feature = "json-schema")]
     whole("schemas/json/reply.schema.json", schemas::json::schema::reply),
     #[cfg(feature = "json-schema")]
     whole("schemas/json/scene.schema.json", schemas::json::schema::scene),

@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use comparison::compare::{Outcome, Tolerance, compare};
+use comparison::compare::{Outcome, compare};
 use comparison::exchanges;
+use comparison::tolerance::Tolerance;
 use integration_tests::{TestDomain, root, scene_text};
 use schemas::json;
 use schemas::message::{RequestContent, SceneRequest};
@@ -91,7 +92,7 @@ impl Golden {
                 }
             }
             let planned = answer::reply_to(&exchange.request, &answer::Caps::default());
-            match compare(&exchange.reply, &planned, Tolerance::Exact) {
+            match compare(&exchange.reply, &planned, &Tolerance::EXACT).outcome {
                 Outcome::Equal { .. } => {}
                 Outcome::NotRepeatable => {
                     return Ok(Some(format!("the reply to request {index} can't be repeated")));

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use bus::{CallError, Client, Domain, Wait};
 use clap::Parser;
 use comparison::check;
-use comparison::compare::Tolerance;
+use comparison::tolerance::Tolerance;
 use program::{Diagnostics, Exit, LogFormat, PrintError};
 use schemas::message::{ClearanceWish, Reply, SceneRequest, Trajectory};
 
@@ -104,7 +104,7 @@ fn run(arguments: Arguments) -> Result<Exit, Error> {
     drop(tidy);
 
     let plan = |request: &_| answer::reply_to(request, &answer::Caps::default());
-    let checked = check::check(std::slice::from_ref(&recording), Tolerance::Exact, plan, |_| {});
+    let checked = check::check(std::slice::from_ref(&recording), &Tolerance::EXACT, plan, |_| {});
     output::print(&rows, &directory, &checked).map_err(PrintError)?;
     let contents = &checked.contents;
     let done = Exit::Done.code();

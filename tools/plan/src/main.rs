@@ -1,7 +1,6 @@
 //! The `plan` command; see `plan --help`.
 
 mod arguments;
-mod csv;
 mod grey;
 mod health;
 mod list;

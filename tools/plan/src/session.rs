@@ -11,7 +11,7 @@ use configuration::{Config, ConfigError};
 use floor_plan::{FloorPlan, MapError};
 use program::{Exit, PrintError, warn};
 use render::picture::Look;
-use render::table;
+use render::{csv, table};
 use schemas::json::{self, UnreadableScene};
 use schemas::message::{
     FreeSpace, Refusal, Reply, Request, RequestContent, RequestKey, SceneRequest, Solid,
@@ -21,7 +21,7 @@ use crate::arguments::{Arguments, Format, Unknown};
 use crate::pictures::{PictureError, Pictures};
 use crate::stdin::Stdin;
 use crate::stream::{MOST_BYTES, SceneText, Scenes};
-use crate::{csv, grey, map_scene};
+use crate::{grey, map_scene};
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -251,7 +251,7 @@ impl Session<'_> {
         }
         if let (Some(pictures), Some(scene)) = (&self.pictures, &scene) {
             let unknown = self.map.as_ref().map_or(&[][..], |map| &map.unknown);
-            let look = Look { mesh: self.arguments.svg_mesh, unknown };
+            let look = Look { mesh: self.arguments.svg_mesh, unknown, ..Look::default() };
             pictures.draw(self.scenes, scene, &reply, look)?;
         }
         Ok(())

@@ -1,4 +1,6 @@
-//! Replies for people: pictures (SVG) and tables.
+//! Replies for people: pictures (SVG), tables and rows of samples (CSV).
 
+pub mod chart;
+pub mod csv;
 pub mod picture;
 pub mod table;

@@ -52,6 +52,12 @@ pub struct Look<'a> {
     pub mesh: bool,
     /// Those parts of a floor plan's solids that are solid only because nothing is known there.
     pub unknown: &'a [Solid],
+    /// The only answer that is drawn, from 0.
+    pub only: Option<usize>,
+    /// A motion to compare with, drawn over the others.
+    pub before: Option<&'a Trajectory>,
+    /// A place on the path where the motions are far apart: before, and now.
+    pub apart: Option<[[f64; 3]; 2]>,
 }
 
 /// Draws a scene and the reply to it.
@@ -61,9 +67,9 @@ pub fn draw(scene: &SceneRequest, reply: &Reply) -> String {
 
 /// Draws a scene and the reply to it in a look of its own.
 pub fn draw_with(scene: &SceneRequest, reply: &Reply, look: Look) -> String {
-    let panels = panels(reply);
+    let panels = panels(reply, look.only);
     let world = World::of(scene);
-    let region = region(scene, &world, &panels);
+    let region = region(scene, &world, &panels, look);
     let shown = shown(scene, &world, &panels, look);
     let wide = region[1][0] - region[0][0] > 2.5 * (region[1][1] - region[0][1]);
     let columns = match (world.dimension, panels.len()) {
@@ -133,12 +139,19 @@ fn shown(scene: &SceneRequest, world: &World, panels: &[Panel], look: Look) -> S
         junctions,
         walls: world.is_floor_plan,
         unknown: world.is_floor_plan && !look.unknown.is_empty(),
+        before: look.before.is_some(),
+        apart: look.apart.is_some(),
         turns: drive && answers().any(turns),
         reverse: drive && answers().any(reverse),
     }
 }
 
-fn panels(reply: &Reply) -> Vec<Panel<'_>> {
+fn panels(reply: &Reply, only: Option<usize>) -> Vec<Panel<'_>> {
+    if let (Some(index), Ok(answers)) = (only, &reply.answers)
+        && let Some(answer) = answers.get(index)
+    {
+        return vec![Panel { index: Some(index), content: answer.as_ref() }];
+    }
     match &reply.answers {
         Err(refusal) => vec![Panel { index: None, content: Err(refusal) }],
         Ok(answers) => {
@@ -157,9 +170,10 @@ fn panels(reply: &Reply) -> Vec<Panel<'_>> {
 }
 
 /// What all panels show: everything at rest, and the body wherever it goes.
-fn region(scene: &SceneRequest, world: &World, panels: &[Panel]) -> [Point; 2] {
+fn region(scene: &SceneRequest, world: &World, panels: &[Panel], look: Look) -> [Point; 2] {
     let mut extent: Extent = world.extent();
-    for answer in panels.iter().filter_map(|panel| panel.content.ok()) {
+    let answers = panels.iter().filter_map(|panel| panel.content.ok());
+    for answer in answers.chain(look.before) {
         for corners in &world.channels_of(Some(answer)) {
             corners.iter().for_each(|corner| extent.add(*corner));
         }
@@ -254,11 +268,33 @@ impl Views<'_> {
                     }
                 }
             }
+            compared(out, plot, &world.mover, look);
             out.push_str("</svg>");
             plot.axes(out, self.upright || index > 0);
             out.push_str("</g>");
             x += plot.width + SPACE + self.numbers;
         }
+    }
+}
+
+/// The motion to compare with, and where it is far from this one.
+fn compared(out: &mut String, plot: &Plot, mover: &Mover, look: &Look) {
+    let offset = match mover {
+        Mover::Part(shape) => shape.first(),
+        Mover::Robot(_) => [0.0; 3],
+    };
+    if let Some(before) = look.before {
+        let dashes = format!(r#"stroke="{}" stroke-width="2" stroke-dasharray="5 3""#, style::TURN);
+        plot.path_in(out, &Course::of(before), offset, ["before", &dashes]);
+    }
+    if let Some(apart) = look.apart {
+        let place = |p: Point| plot.pixel(std::array::from_fn(|i| p[i] + offset[i])).map(Px);
+        let alert = style::TURN;
+        let [[x0, y0], [x1, y1]] = apart.map(|position| place(position.map(world::tame)));
+        _ = write!(
+            out,
+            r#"<g class="apart" stroke="{alert}" stroke-width="2" fill="none"><path d="M{x0} {y0}L{x1} {y1}"/><circle cx="{x0}" cy="{y0}" r="6"/><circle cx="{x1}" cy="{y1}" r="6"/></g>"#
+        );
     }
 }
 
@@ -362,6 +398,14 @@ fn picture_of(sign: Sign) -> String {
         Sign::Reverse => {
             format!(r#"<path d="M0 0h20" stroke="{}" stroke-width="2.6"/>"#, style::REVERSE)
         }
+        Sign::Before => format!(
+            r#"<path d="M0 0h20" stroke="{}" stroke-width="2" stroke-dasharray="5 3"/>"#,
+            style::TURN
+        ),
+        Sign::Apart => format!(
+            r#"<circle cx="10" r="6" fill="none" stroke="{}" stroke-width="2"/>"#,
+            style::TURN
+        ),
         Sign::Junction => square(format!(
             r#"fill="{}" fill-opacity="0.18" stroke="{}" stroke-width="0.6""#,
             style::JUNCTION,

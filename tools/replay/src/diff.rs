@@ -1,31 +1,76 @@
-//! What `replay diff` prints.
+//! `replay diff`: compares two recordings.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 
 use comparison::check::Counts;
 use comparison::compare::Outcome;
-use comparison::diff::Compared;
-use serde_json::json;
+use comparison::diff::{Compared, diff};
+use comparison::report::DiffReport;
 
-use crate::report::{difference_json, write_json};
+use crate::arguments::Diff;
+use crate::findings::Findings;
+use crate::html::{self, Details, Page};
+use crate::output::OutputError;
+use crate::reading::{complain, progress};
+use crate::report::write_json;
 
-/// Whether the recordings differ.
-pub(crate) fn differ(compared: &Compared) -> bool {
-    counts(compared).different > 0 || compared.alone.iter().any(|keys| !keys.is_empty())
+/// Compares the recordings. What is wrong with them is told on stderr.
+pub(crate) fn run(arguments: &Diff, findings: &mut Findings) -> Result<Compared, OutputError> {
+    let Diff { a, b, compare, page, .. } = arguments;
+    page.check(&[a, b])?;
+    let bar = progress(b);
+    let mut drawn: BTreeMap<u64, Details> = BTreeMap::new();
+    let compared = diff(
+        [a, b],
+        &compare.tolerance(),
+        |at| bar.set_position(at),
+        |pair, exchange, reply| {
+            if page.html.is_some() {
+                let replies = [&exchange.reply, reply];
+                let content = &exchange.request.content;
+                let details = html::details(content, replies, &pair.comparison);
+                drawn.insert(pair.indices[0], details);
+            }
+        },
+    );
+    bar.finish_and_clear();
+    for (path, contents) in [a, b].iter().zip(&compared.contents) {
+        complain(path, contents);
+        findings.add(contents);
+    }
+    let alone = compared.alone.iter().any(|keys| !keys.is_empty());
+    findings.regression |= compared.counts().different > 0 || alone;
+    page.write(|| report(&compared, &drawn, [a, b]))?;
+    Ok(compared)
 }
 
-fn counts(compared: &Compared) -> Counts {
-    let mut counts = Counts::default();
-    compared.pairs.iter().for_each(|pair| counts.add(&pair.outcome));
-    counts
+/// The page about both.
+fn report(compared: &Compared, drawn: &BTreeMap<u64, Details>, paths: [&Path; 2]) -> String {
+    let mut page = Page::new("replay diff");
+    let [a, b] = paths.map(|path| path.display().to_string());
+    let name = format!("{a} and {b}");
+    let [contents_a, contents_b] = &compared.contents;
+    page.file(&name, &compared.counts(), &[contents_a, contents_b]);
+    for (path, keys) in [&a, &b].into_iter().zip(&compared.alone) {
+        keys.iter().for_each(|key| page.alone(format!("request {key} is only in {path}")));
+    }
+    let none = Details::new();
+    for pair in &compared.pairs {
+        let details = drawn.get(&pair.indices[0]).unwrap_or(&none);
+        let [request, other] = pair.indices;
+        let request = format!("{request} and {other}");
+        page.reply([&name, &request], pair.id, &pair.comparison, details);
+    }
+    page.finish()
 }
 
-/// Each difference in a line, and a line of counts.
+/// Each difference in a line, what has moved in each answer, and a line of counts.
 pub(crate) fn text(compared: &Compared, paths: [&Path; 2], out: &mut impl Write) -> io::Result<()> {
     let [a, b] = paths.map(Path::display);
     for (index, pair) in compared.pairs.iter().enumerate() {
-        if let Outcome::Different(difference) = &pair.outcome {
+        if let Outcome::Different(difference) = &pair.comparison.outcome {
             let [one, other] = pair.keys;
             let (path, has_a, has_b) =
                 (&difference.path, &difference.recorded, &difference.planned);
@@ -33,6 +78,10 @@ pub(crate) fn text(compared: &Compared, paths: [&Path; 2], out: &mut impl Write)
                 out,
                 "pair {index} ({one} and {other}): {path}: {has_a} in {a}, {has_b} in {b}"
             )?;
+            let answers = pair.comparison.answers.iter();
+            for answer in answers.filter(|answer| answer.verdict.is_regression()) {
+                writeln!(out, "    {answer}")?;
+            }
         }
     }
     for (path, keys) in [&a, &b].into_iter().zip(&compared.alone) {
@@ -41,42 +90,17 @@ pub(crate) fn text(compared: &Compared, paths: [&Path; 2], out: &mut impl Write)
         }
     }
     let [alone_a, alone_b] = compared.alone.each_ref().map(Vec::len);
-    let Counts { equal, reworded, different, not_repeatable } = counts(compared);
-    write!(out, "{equal} equal")?;
-    if reworded > 0 {
-        write!(out, " ({reworded} worded differently)")?;
-    }
-    write!(out, ", {different} different")?;
+    let counts = compared.counts();
+    let Counts { different, not_repeatable, .. } = counts;
+    write!(out, "{}, {different} different", counts.equal())?;
     if not_repeatable > 0 {
         write!(out, ", {not_repeatable} not repeatable (depend on load)")?;
     }
-    writeln!(out, ", {alone_a} only in {a}, {alone_b} only in {b}")
+    writeln!(out, ", {alone_a} only in {a}, {alone_b} only in {b}{}", counts.within())
 }
 
 /// All of it as one JSON object.
 pub(crate) fn json(compared: &Compared, paths: [&Path; 2], out: &mut impl Write) -> io::Result<()> {
-    let differences = compared.pairs.iter().enumerate().filter_map(|(index, pair)| {
-        let Outcome::Different(difference) = &pair.outcome else { return None };
-        let mut fields = difference_json(difference);
-        fields.insert("pair".into(), index.into());
-        fields.insert("keys".into(), json!(pair.keys.map(|key| key.to_string())));
-        Some(fields)
-    });
-    let [only_in_a, only_in_b] = compared
-        .alone
-        .each_ref()
-        .map(|keys| keys.iter().map(ToString::to_string).collect::<Vec<_>>());
-    let Counts { equal, reworded, different, not_repeatable } = counts(compared);
-    let value = json!({
-        "a": paths[0].to_string_lossy(),
-        "b": paths[1].to_string_lossy(),
-        "equal": equal,
-        "reworded": reworded,
-        "different": different,
-        "not_repeatable": not_repeatable,
-        "differences": differences.collect::<Vec<_>>(),
-        "only_in_a": only_in_a,
-        "only_in_b": only_in_b,
-    });
-    write_json(&value, out)
+    let names = paths.map(|path| path.to_string_lossy().into_owned());
+    write_json(&DiffReport::new(compared, names), out)
 }

@@ -14,6 +14,8 @@ pub(crate) struct Findings {
     pub(crate) loss: bool,
     /// Whether messages that no checksum covers are a failure.
     pub(crate) strict: bool,
+    /// A signal came while a planner was asked.
+    pub(crate) interrupted: Option<i32>,
 }
 
 impl Findings {
@@ -26,6 +28,7 @@ impl Findings {
 
     pub(crate) fn exit(self) -> Exit {
         match self {
+            Self { interrupted: Some(signal), .. } => Exit::interrupted_by(signal),
             Self { regression: true, .. } => Exit::Regression,
             Self { failure: true, .. } => Exit::Failure,
             Self { loss: true, .. } => Exit::Lost,

@@ -1,12 +1,26 @@
 //! The `replay` command; see `replay --help`.
 
 mod arguments;
+mod bless;
+mod changes;
+mod check;
 mod commands;
+mod copying;
 mod diff;
+mod extract;
 mod findings;
+mod html;
 mod info;
 mod junit;
+mod merge;
+mod output;
+mod play;
+mod reading;
 mod report;
+mod running;
+mod show;
+mod tolerances;
+mod units;
 
 use std::process::ExitCode;
 

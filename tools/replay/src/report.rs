@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 
 use comparison::check::Checked;
-use comparison::compare::{Difference, FieldPath};
 use comparison::exchanges::Contents;
+use comparison::report::CheckReport;
 use recording::Recovered;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 
 /// Incomplete exchanges of a file that stderr shows.
 const MOST_SHOWN: usize = 10;
@@ -70,52 +70,11 @@ pub(crate) fn recovered(recovered: &Recovered) -> String {
 
 /// All files as one JSON object.
 pub(crate) fn json(checked: &[Checked], out: &mut impl Write) -> io::Result<()> {
-    let files: Vec<_> = checked.iter().map(file_json).collect();
-    write_json(&json!({ "files": files }), out)
+    write_json(&CheckReport::from(checked), out)
 }
 
 /// Writes a JSON value and ends the line.
-pub(crate) fn write_json(value: &Value, out: &mut impl Write) -> io::Result<()> {
+pub(crate) fn write_json(value: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
     serde_json::to_writer_pretty(&mut *out, value)?;
     writeln!(out)
-}
-
-fn file_json(file: &Checked) -> Value {
-    let (counts, contents) = (file.counts(), &file.contents);
-    let differences = file.differences().map(|(case, difference)| {
-        let mut fields = difference_json(difference);
-        fields.insert("request".into(), case.index.into());
-        fields.insert("key".into(), case.key.to_string().into());
-        fields
-    });
-    json!({
-        "path": file.path.to_string_lossy(),
-        "requests": contents.requests,
-        "equal": counts.equal,
-        "reworded": counts.reworded,
-        "different": counts.different,
-        "not_repeatable": counts.not_repeatable,
-        "differences": differences.collect::<Vec<_>>(),
-        "incomplete": contents.losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "lost": contents.lost(),
-        "unchecked_bytes": contents.coverage.bytes - contents.coverage.checked,
-        "cut": contents.error.as_ref().is_some_and(|error| error.is_cut()),
-        "error": contents.error.as_ref().map(ToString::to_string),
-    })
-}
-
-/// A difference as the fields of a JSON object.
-pub(crate) fn difference_json(difference: &Difference) -> Map<String, Value> {
-    let Difference { path, recorded, planned, distance } = difference;
-    let FieldPath { answer, item, field } = path;
-    let fields = [
-        ("answer", json!(answer)),
-        ("list", json!(item.map(|(list, _)| list))),
-        ("index", json!(item.map(|(_, index)| index))),
-        ("field", json!(field)),
-        ("recorded", json!(recorded)),
-        ("planned", json!(planned)),
-        ("distance", json!(distance.filter(|distance| distance.is_finite()))),
-    ];
-    fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -203,6 +203,8 @@ pub(super) enum Sign {
     Unknown,
     Turn,
     Reverse,
+    Before,
+    Apart,
 }
 
 /// What a picture shows, besides what its scene says.
@@ -215,6 +217,8 @@ pub(super) struct Shown {
     pub(super) unknown: bool,
     pub(super) turns: bool,
     pub(super) reverse: bool,
+    pub(super) before: bool,
+    pub(super) apart: bool,
 }
 
 /// The signs used, with what they mean.
@@ -240,6 +244,8 @@ pub(super) fn legend(scene: &SceneRequest, shown: &Shown) -> Vec<(Sign, &'static
     add(shown.reverse, Sign::Reverse, "in reverse");
     add(shown.turns, Sign::Turn, "turns in place");
     add(shown.motion && drive, Sign::Circle, "guiding circles");
+    add(shown.before, Sign::Before, "path as recorded");
+    add(shown.apart, Sign::Apart, "farthest apart");
     add(shown.motion, Sign::Clearance, "least clearance");
     add(shown.junctions, Sign::Junction, "junctions");
     signs

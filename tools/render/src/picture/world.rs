@@ -52,7 +52,7 @@ pub(super) struct World {
 }
 
 /// Coordinates that can be subtracted and scaled without overflow.
-fn tame(value: f64) -> f64 {
+pub(super) fn tame(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-1e100, 1e100) }
 }
 

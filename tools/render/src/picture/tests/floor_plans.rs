@@ -37,7 +37,7 @@ fn what_is_unknown_is_light() {
     let (scene, reply) = planned(ROOMS);
     let vertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]].map(Vector::from);
     let unknown = [Solid::Polygon(vertices.to_vec())];
-    let picture = draw_with(&scene, &reply, Look { mesh: false, unknown: &unknown });
+    let picture = draw_with(&scene, &reply, Look { unknown: &unknown, ..Look::default() });
     let document = Document::parse(&picture).unwrap();
     let [area] = of_class(&document, "unknown")[..] else { panic!("one area") };
     assert_eq!(area.attribute("fill"), Some(style::UNKNOWN));

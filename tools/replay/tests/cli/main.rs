@@ -1,104 +1,21 @@
 //! The program on recordings whole, changed, incomplete, cut and damaged.
 
+mod check;
+mod page;
+mod recorded;
+mod rewrite;
+mod show;
+
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use answer::Caps;
 use assert_cmd::cargo::cargo_bin;
 use recording::{Options, Writer};
-use schemas::json;
-use schemas::message::{ErrorCode, Refusal, Reply, ReplyPart, Request, RequestContent, RequestKey};
+use schemas::message::{ErrorCode, Refusal, Request, RequestContent};
 use serde_json::{Value, json};
 
-fn request(client: u64, sequence: u64) -> Request {
-    let scene = include_str!("../../../recordings/scenes/disassemble-channels.json");
-    let Ok(mut scene) = json::read_scene(scene) else { panic!("the scene is readable") };
-    scene.id = Some(sequence);
-    let content = RequestContent::Scene(scene);
-    Request { key: RequestKey { client, sequence }, sent_ns: 1_000 * sequence, content }
-}
-
-/// A part for each answer.
-fn parts(reply: Reply) -> Vec<ReplyPart> {
-    let answers = reply.answers.as_ref().map_or(0, |answers| answers.len() as u32);
-    let contents = reply.answers.unwrap_or_else(|refusal| vec![Err(refusal)]);
-    let last = contents.len() - 1;
-    let part = |(part, content)| ReplyPart {
-        key: reply.key,
-        id: reply.id,
-        sent_ns: 5_000,
-        part: part as u32,
-        last: part == last,
-        answer: part as u32,
-        answers,
-        content,
-    };
-    contents.into_iter().enumerate().map(part).collect()
-}
-
-/// Records three requests by `client` with the planner's replies, as `change` makes them;
-/// it returns whether to record the part at all.
-fn record(path: &Path, client: u64, change: impl Fn(&mut ReplyPart) -> bool) {
-    let mut writer = Writer::create(path, Options::default()).unwrap();
-    for sequence in 0..3 {
-        let request = request(client, sequence);
-        writer.write_request(&request, 10_000 + sequence).unwrap();
-        for mut part in parts(answer::reply_to(&request, &Caps::default())) {
-            if change(&mut part) {
-                writer.write_reply(&part, 20_000 + sequence).unwrap();
-            }
-        }
-        writer.flush().unwrap();
-    }
-    writer.finish().unwrap();
-}
-
-fn samples(part: &mut ReplyPart) -> &mut [schemas::message::Sample] {
-    &mut part.content.as_mut().unwrap().samples
-}
-
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn with(name: &str, change: impl Fn(&mut ReplyPart) -> bool) -> Self {
-        let folder = Self::new();
-        record(&folder.path(name), 7, change);
-        folder
-    }
-
-    /// Exit code, standard output and standard error of `replay`.
-    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
-        let output = Command::new(cargo_bin!("replay"))
-            .args(arguments)
-            .current_dir(self.0.path())
-            .output()
-            .unwrap();
-        let [out, error] =
-            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-        (output.status.code().expect("no signal ends it"), out, error)
-    }
-
-    #[track_caller]
-    fn check(&self, arguments: &[&str], code: i32, out: &str, error: &str) {
-        let found = self.run(arguments);
-        assert_eq!(found.0, code, "{found:?}");
-        assert!(found.1.contains(out), "{found:?}");
-        assert!(found.2.contains(error), "{found:?}");
-    }
-}
-
-fn keep(_: &mut ReplyPart) -> bool {
-    true
-}
+use recorded::{Folder, keep, parts, record, request, samples};
 
 #[test]
 fn equal_replies_are_equal() {
@@ -269,6 +186,40 @@ fn two_runs_of_the_same_requests_are_compared() {
     );
     let tolerant = ["diff", "a.mcap", "c.mcap", "--tolerance", "0.5"];
     folder.check(&tolerant, 4, "2 equal, 0 different, 1 only in a.mcap", "");
+}
+
+#[test]
+fn rerecorded_requests_are_paired_by_their_ids() {
+    let folder = Folder::with("a.mcap", keep);
+    // Another client asks in the other order, at another speed.
+    let mut writer = Writer::create(folder.path("b.mcap"), Options::default()).unwrap();
+    for sequence in 0..3 {
+        let mut request = request(9, sequence);
+        let RequestContent::Scene(scene) = &mut request.content else { unreachable!() };
+        scene.id = Some(2 - sequence);
+        scene.limits.speed = Some(if sequence == 0 { 0.25 } else { 1.0 });
+        writer.write_request(&request, 1).unwrap();
+        for part in parts(answer::reply_to(&request, &Caps::default())) {
+            writer.write_reply(&part, 2).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    let (code, out, _) = folder.run(&["diff", "a.mcap", "b.mcap", "--format", "json"]);
+    let out: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((code, &out["equal"], &out["different"]), (4, &json!(2), &json!(1)), "{out}");
+    let answer = &out["answers"][0];
+    assert_eq!(
+        (&answer["id"], &answer["request"], &answer["other_request"]),
+        (&json!(2), &json!(2), &json!(0))
+    );
+    assert_eq!(
+        (&answer["verdict"], &answer["motion"]["length"]["change"]),
+        (&json!("moved"), &json!(0.0))
+    );
+    let (code, out, _) = folder.run(&["diff", "a.mcap", "b.mcap", "--format", "junit"]);
+    let document = roxmltree::Document::parse(&out).unwrap();
+    assert_eq!((code, elements(&document, "testcase").len()), (4, 3));
+    assert_eq!(elements(&document, "failure").len(), 1);
 }
 
 #[test]

@@ -5,11 +5,11 @@ use std::io::{self, Write};
 use schemas::message::{Reply, Sample, SceneRequest, Task};
 
 /// The first row.
-pub(crate) const HEADER: &str = "scene,id,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate";
+pub const HEADER: &str = "scene,id,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate";
 
 /// Writes the samples of a reply to the scene with this number. Refusals have no rows. In
 /// assembly scenes of two dimensions, which live in (x, z), y is 0.
-pub(crate) fn write(
+pub fn write(
     out: &mut impl Write,
     number: usize,
     scene: &SceneRequest,

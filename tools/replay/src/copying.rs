@@ -1,0 +1,136 @@
+//! Copies of recordings, message by message.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use comparison::named::NamedFreeSpaces;
+use indicatif::ProgressBar;
+use program::warn;
+use recording::{Message, ReadError, Reader, Record, Summary, WriteError, Writer};
+use schemas::message::{ReplyPart, Request, RequestKey};
+
+use crate::findings::Findings;
+use crate::reading::progress;
+
+/// A recording read message by message, and what is missing between them.
+pub(crate) struct Messages {
+    reader: Reader,
+    /// Messages missing so far.
+    lost: u64,
+    bar: ProgressBar,
+    /// Why it could not be read to its end.
+    pub(crate) error: Option<ReadError>,
+}
+
+impl Messages {
+    pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
+        Ok(Self { reader: Reader::open(path)?, lost: 0, bar: progress(path), error: None })
+    }
+
+    /// The next message, and how many are missing before it.
+    pub(crate) fn next(&mut self) -> Option<(Record, u64)> {
+        match self.reader.next()? {
+            Ok(record) => {
+                self.bar.set_position(self.reader.offset());
+                let before = std::mem::replace(&mut self.lost, self.reader.lost());
+                Some((record, self.lost - before))
+            }
+            Err(error) => {
+                self.error = Some(error);
+                None
+            }
+        }
+    }
+
+    /// What its recorder wrote at the beginning: it says under which caps replies were planned.
+    pub(crate) fn description(&self) -> BTreeMap<String, String> {
+        self.reader.description().clone()
+    }
+
+    /// Free spaces made known before the recording began, as far as they came up to now.
+    pub(crate) fn free_spaces(&mut self) -> Vec<Request> {
+        self.reader.take_free_spaces()
+    }
+
+    /// Messages missing after the last one read, as the recorder says.
+    fn lost_at_end(&self) -> u64 {
+        let claimed = self.reader.summary().map_or(0, |summary| summary.lost);
+        claimed.saturating_sub(self.lost)
+    }
+
+    /// Tells what was wrong, once everything has been read; returns how many messages are missing
+    /// at the end.
+    pub(crate) fn end(self, path: &Path, findings: &mut Findings) -> u64 {
+        self.bar.finish_and_clear();
+        if let Some(error) = &self.error {
+            warn(format_args!("{}: {error}", path.display()));
+            findings.loss |= error.is_cut();
+            findings.failure |= !error.is_cut();
+        }
+        self.lost_at_end()
+    }
+}
+
+/// A recording being written.
+pub(crate) type Output = Writer;
+
+/// Writes one message as it was.
+pub(crate) fn write(output: &mut Output, record: &Record) -> Result<(), WriteError> {
+    match &record.message {
+        Message::Request(request) => output.write_request(request, record.log_ns),
+        Message::Reply(part) => output.write_reply(part, record.log_ns),
+    }
+}
+
+/// Some of the requests of a recording, with all parts of their replies.
+pub(crate) struct Picked<'a> {
+    wanted: &'a dyn Fn(u64, &Request) -> bool,
+    named: NamedFreeSpaces,
+    requests: u64,
+    /// Requests picked whose replies go on.
+    open: BTreeSet<RequestKey>,
+}
+
+impl<'a> Picked<'a> {
+    /// Those for which `wanted` holds of their number, from 0, and what they ask.
+    pub(crate) fn new(wanted: &'a dyn Fn(u64, &Request) -> bool) -> Self {
+        Self { wanted, named: NamedFreeSpaces::default(), requests: 0, open: BTreeSet::new() }
+    }
+
+    /// Learns free spaces that requests only name.
+    pub(crate) fn learn(&mut self, mut uploads: Vec<Request>) {
+        uploads.iter_mut().for_each(|upload| self.named.resolve(upload));
+    }
+
+    /// The message, if it is picked. A request gets the free space that it names.
+    pub(crate) fn pick(&mut self, mut record: Record) -> Option<Record> {
+        let picked = match &mut record.message {
+            Message::Request(request) => {
+                self.named.resolve(request);
+                let picked = (self.wanted)(self.requests, request);
+                self.requests += 1;
+                match picked {
+                    true => self.open.insert(request.key),
+                    // The same key asked anew: parts that follow are for this request.
+                    false => self.open.remove(&request.key),
+                };
+                picked
+            }
+            Message::Reply(ReplyPart { key, last, .. }) => match last {
+                true => self.open.remove(key),
+                false => self.open.contains(key),
+            },
+        };
+        picked.then_some(record)
+    }
+}
+
+/// What was written, for people.
+pub(crate) fn written(path: &Path, requests: u64, summary: Summary) -> String {
+    let Summary { recorded, lost, gaps: _ } = summary;
+    let missing = match lost {
+        0 => String::new(),
+        lost => format!(", {lost} messages are missing"),
+    };
+    format!("{}: {requests} requests, {recorded} messages{missing}", path.display())
+}
