@@ -1,7 +1,7 @@
 //! The recorder: takes a planner's traffic from the tap and writes it to MCAP files.
 //!
 //! Taking and writing are two threads, so that neither compressing nor a slow disk keeps the tap
-//! waiting: [`take`] and [`store`], with a queue between.
+//! waiting: `take` and `store`, with a queue between.
 
 mod describe;
 mod progress;
