@@ -3,7 +3,7 @@
 //! One sequence runs over requests and replies, in the order in which the planner took and
 //! sent them, whatever version their client speaks: the tap carries the current one.
 //! Nothing is copied while nobody listens. A heartbeat carries the next sequence number,
-//! so a loss at the very end shows as well. The number outlasts the planner ([`crate::ledger`]):
+//! so a loss at the very end shows as well. The number outlasts the planner (`ledger`):
 //! the next one goes on counting, so that what is lost at a restart is counted exactly.
 
 use std::collections::VecDeque;

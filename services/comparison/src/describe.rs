@@ -76,7 +76,7 @@ fn changes(motion: &MotionChange) -> Vec<String> {
 }
 
 /// A number to four digits.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         size if (1e-3..1e6).contains(&size) => {

@@ -7,7 +7,7 @@
 
 pub mod check;
 pub mod compare;
-mod describe;
+pub mod describe;
 pub mod diff;
 pub mod exchanges;
 pub mod motion;

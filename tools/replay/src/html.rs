@@ -6,6 +6,7 @@ use std::fmt::Write;
 
 use comparison::check::Counts;
 use comparison::compare::{AnswerComparison, Comparison, Verdict};
+use comparison::describe::short;
 use comparison::exchanges::Contents;
 use comparison::motion::{Change, Deviation};
 use schemas::message::{Reply, RequestContent};
@@ -118,7 +119,9 @@ impl Page {
         ];
         for number in numbers {
             match number {
-                Some(number) => _ = write!(self.rows, r#"<td data-v="{number}">{number:.3e}"#),
+                Some(number) => {
+                    _ = write!(self.rows, r#"<td data-v="{number}">{}"#, short(number));
+                }
                 None => self.rows.push_str(r#"<td data-v="">"#),
             }
         }
