@@ -40,6 +40,15 @@ pub(crate) fn run(
             warn(format_args!("{path} is left as it is: {error} (replay recover)"));
             continue;
         }
+        if file.more > 0 {
+            let (path, files) = (file.path.display(), file.more + 1);
+            warn(format_args!(
+                "{path} is left as it is: the recording has {files} files; `replay merge` makes \
+                 one of them"
+            ));
+            findings.failure = true;
+            continue;
+        }
         let accepted = file.cases.iter().filter(|case| is_accepted(arguments, case));
         let accepted: BTreeSet<u64> = accepted.map(|case| case.index).collect();
         blessed.push((file, accepted));
