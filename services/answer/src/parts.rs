@@ -179,13 +179,23 @@ impl PartSink for Collect {
         cells: usize,
         fill: impl FnOnce(&mut CellWriter),
     ) -> Result<(), Infallible> {
-        self.cells.clear();
-        self.cells.resize(cells, 0);
-        fill(&mut CellWriter::new(&mut self.cells));
-        let part = convert::read_part(header, &self.cells).expect("what was just written");
+        let part = read_back(&mut self.cells, header, cells, fill);
         self.reply = self.assembler.push(part).expect("parts written in order");
         Ok(())
     }
+}
+
+/// Has a part written to `memory`, and reads it as its client would.
+fn read_back(
+    memory: &mut Vec<u64>,
+    header: &ReplyHeader,
+    cells: usize,
+    fill: impl FnOnce(&mut CellWriter),
+) -> ReplyPart {
+    memory.clear();
+    memory.resize(cells, 0);
+    fill(&mut CellWriter::new(memory));
+    convert::read_part(header, memory).expect("what was just written")
 }
 
 /// Keeps the parts of a reply.
@@ -204,10 +214,7 @@ impl PartSink for Keep {
         cells: usize,
         fill: impl FnOnce(&mut CellWriter),
     ) -> Result<(), Infallible> {
-        self.cells.clear();
-        self.cells.resize(cells, 0);
-        fill(&mut CellWriter::new(&mut self.cells));
-        self.parts.push(convert::read_part(header, &self.cells).expect("what was just written"));
+        self.parts.push(read_back(&mut self.cells, header, cells, fill));
         Ok(())
     }
 }

@@ -7,7 +7,7 @@ use answer::Caps;
 use assert_cmd::cargo::cargo_bin;
 use recording::{Options, Writer};
 use schemas::json;
-use schemas::message::{Reply, ReplyPart, Request, RequestContent, RequestKey};
+use schemas::message::{Reply, ReplyPart, Request, RequestContent, RequestKey, SceneRequest};
 
 pub(crate) fn request(client: u64, sequence: u64) -> Request {
     let scene = include_str!("../../../../recordings/scenes/disassemble-channels.json");
@@ -97,4 +97,28 @@ impl Folder {
 
 pub(crate) fn keep(_: &mut ReplyPart) -> bool {
     true
+}
+
+/// Records a request that makes a free space known, and one that only names it. The scene of the
+/// first without the name, and the reply to the second.
+pub(crate) fn record_named(path: impl AsRef<Path>) -> (SceneRequest, Reply) {
+    let mut writer = Writer::create(path, Options::default()).unwrap();
+    let mut first = request(7, 0);
+    let RequestContent::Scene(scene) = &mut first.content else { unreachable!() };
+    let whole = scene.clone();
+    scene.free_space.named = Some(scene.free_space.digest());
+    let mut second = request(7, 1);
+    second.content = RequestContent::Scene(scene.with_name_alone());
+    let mut answerer = answer::Answerer::new(&Caps::default());
+    let replies = [&first, &second].map(|request| {
+        writer.write_request(request, 1).unwrap();
+        let reply = answerer.reply_to(request);
+        for part in parts(reply.clone()) {
+            writer.write_reply(&part, 2).unwrap();
+        }
+        reply
+    });
+    writer.finish().unwrap();
+    let [_, reply] = replies;
+    (whole, reply)
 }

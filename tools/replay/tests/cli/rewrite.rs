@@ -3,12 +3,11 @@
 use std::path::Path;
 use std::process::Command;
 
-use answer::Caps;
 use recording::{Message, Options, Reader, Record, Writer};
 use schemas::codec;
-use schemas::message::{RequestContent, RequestKey};
+use schemas::message::RequestKey;
 
-use crate::recorded::{Folder, keep, parts, record, request, samples};
+use crate::recorded::{Folder, keep, record, record_named, request, samples};
 
 fn records(path: &Path) -> Vec<Record> {
     Reader::open(path).unwrap().collect::<Result<_, _>>().unwrap()
@@ -138,20 +137,7 @@ fn failing_requests_are_extracted_with_their_replies() {
 #[test]
 fn an_extracted_request_brings_the_free_space_that_it_names() {
     let folder = Folder::new();
-    let mut writer = Writer::create(folder.path("a.mcap"), Options::default()).unwrap();
-    let mut first = request(7, 0);
-    let RequestContent::Scene(scene) = &mut first.content else { unreachable!() };
-    scene.free_space.named = Some(scene.free_space.digest());
-    let mut second = request(7, 1);
-    second.content = RequestContent::Scene(scene.with_name_alone());
-    let mut answerer = answer::Answerer::new(&Caps::default());
-    for request in [&first, &second] {
-        writer.write_request(request, 1).unwrap();
-        for part in parts(answerer.reply_to(request)) {
-            writer.write_reply(&part, 2).unwrap();
-        }
-    }
-    writer.finish().unwrap();
+    record_named(folder.path("a.mcap"));
     folder.check(&["extract", "a.mcap", "--request", "1", "-o", "b.mcap"], 0, "1 requests", "");
     folder.check(&["check", "b.mcap"], 0, "1 requests, 1 equal", "");
 }

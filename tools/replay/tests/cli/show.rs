@@ -6,7 +6,7 @@ use schemas::json;
 use schemas::message::{Refusal, RequestContent};
 use serde_json::Value;
 
-use crate::recorded::{Folder, parts, request};
+use crate::recorded::{Folder, parts, record_named, request};
 
 /// Three requests: a trajectory of 5 ms, a refusal, and one without reply.
 fn mixed() -> Folder {
@@ -133,25 +133,10 @@ fn wrong_filters_are_usage_errors() {
 #[test]
 fn a_free_space_sent_once_is_printed_with_each_scene_that_names_it() {
     let folder = Folder::new();
-    let mut writer = Writer::create(folder.path("a.mcap"), Options::default()).unwrap();
-    let mut first = request(7, 0);
-    let RequestContent::Scene(scene) = &mut first.content else { unreachable!() };
-    let whole = scene.clone();
-    scene.free_space.named = Some(scene.free_space.digest());
-    let mut second = request(7, 1);
-    second.content = RequestContent::Scene(scene.with_name_alone());
-    let mut answerer = answer::Answerer::new(&Caps::default());
-    for request in [&first, &second] {
-        writer.write_request(request, 1).unwrap();
-        for part in parts(answerer.reply_to(request)) {
-            writer.write_reply(&part, 2).unwrap();
-        }
-    }
-    writer.finish().unwrap();
+    let (whole, reply) = record_named(folder.path("a.mcap"));
     let (code, out, _) = folder.run(&["show", "a.mcap", "--request", "1"]);
     assert_eq!((code, json::read_scene(&out).unwrap()), (0, whole));
     let said = |refusal: &Refusal| refusal.message.clone();
-    let reply = answerer.reply_to(&second);
     assert!(reply.answers.as_ref().map_err(said).is_ok());
     let (_, out, _) = folder.run(&["show", "a.mcap", "--reply", "1", "--format", "json"]);
     assert_eq!(out.trim_end(), json::reply_to_json(&reply));
