@@ -1,8 +1,8 @@
 //! The directory under which a user's domains keep their small files.
 
-use std::fs::{DirBuilder, File};
+use std::fs::{DirBuilder, File, Permissions};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -180,7 +180,12 @@ pub(crate) fn open(path: &Path, create: bool) -> Result<Option<File>, RootProble
         match rustix::fs::openat(CWD, path, flags, Mode::empty()) {
             Ok(directory) => {
                 let directory = File::from(directory);
-                check(&directory.metadata()?)?;
+                let found = directory.metadata()?;
+                check(&found)?;
+                if found.mode() & 0o700 != 0o700 {
+                    // iceoryx2 changes the umask of the whole process while it binds a socket.
+                    directory.set_permissions(Permissions::from_mode(0o700))?;
+                }
                 return Ok(Some(directory));
             }
             Err(Errno::NOENT) if create => {
@@ -229,7 +234,6 @@ fn is_at(directory: &File, path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::os::unix::fs::PermissionsExt;
 
     /// A directory for this test.
     fn scratch(name: &str) -> PathBuf {
@@ -246,7 +250,7 @@ mod tests {
     #[test]
     fn a_directory_of_others_is_refused() {
         let path = scratch("modes");
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o750)).unwrap();
+        std::fs::set_permissions(&path, Permissions::from_mode(0o750)).unwrap();
         assert_eq!(problem(&path), RootProblem::Mode { mode: 0o750 });
         std::fs::remove_dir(&path).unwrap();
         if rustix::process::geteuid().is_root() {
@@ -255,6 +259,15 @@ mod tests {
             assert_eq!(problem(&path), RootProblem::Owner { owner: 65534, user: 0 });
             std::fs::remove_dir(&path).unwrap();
         }
+    }
+
+    #[test]
+    fn a_directory_made_under_a_narrow_umask_is_opened_to_its_owner() {
+        let path = scratch("umask");
+        std::fs::set_permissions(&path, Permissions::from_mode(0o600)).unwrap();
+        drop(Root::lock(Some(&path), true, Duration::ZERO).unwrap().unwrap());
+        assert_eq!(std::fs::metadata(&path).unwrap().mode() & 0o777, 0o700);
+        std::fs::remove_dir(&path).unwrap();
     }
 
     #[test]

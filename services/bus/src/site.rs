@@ -5,7 +5,7 @@
 //! domain to iceoryx2's own tools. Both names are random, so that equal names of domains of
 //! two users do not meet in `/dev/shm`, and short, as paths of sockets have at most 107 bytes.
 
-use std::fs::{DirBuilder, File, OpenOptions};
+use std::fs::{DirBuilder, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
@@ -96,9 +96,10 @@ impl Site {
     /// Makes what is missing: all of it at first, nothing otherwise.
     pub(crate) fn furnish(&self) -> io::Result<()> {
         for directory in [self.directory(), self.visitors()] {
-            match DirBuilder::new().mode(0o700).create(directory) {
+            match DirBuilder::new().mode(0o700).create(&directory) {
                 Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
-                _ => {}
+                // iceoryx2 changes the umask of the whole process while it binds a socket.
+                _ => std::fs::set_permissions(directory, Permissions::from_mode(0o700))?,
             }
         }
         let counter = Path::new(MEMORY).join(format!("{}{COUNTER}", self.prefix()));
@@ -130,7 +131,7 @@ impl Site {
         for name in self.in_memory().iter().filter(|name| name.ends_with(COUNTER_END)) {
             let path = Path::new(MEMORY).join(name);
             // Only the owner can; shared memory has no links.
-            let _ = std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o600));
+            let _ = std::fs::set_permissions(path, Permissions::from_mode(0o600));
         }
     }
 
