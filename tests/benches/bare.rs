@@ -66,6 +66,8 @@ impl Bare {
             .max_servers(1)
             // As the planner's: every look at a port looks at each of its places.
             .max_clients(options.max_clients)
+            // Each client brings a node of its own; one is the server's, one whoever removes it.
+            .max_nodes(options.max_clients + 2)
             .max_active_requests_per_client(options.requests_per_client)
             .max_response_buffer_size(8)
             .open_or_create()

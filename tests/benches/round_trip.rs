@@ -86,6 +86,7 @@ fn measure(samples: u64) {
                 workspace
                     .answer(&header, &memory, &StopFlag::new(), &mut incoming.reply())
                     .expect("the client waits");
+                incoming.finish().expect("the client waits");
             }
             if let Some(request) = bare_server.receive().expect("a healthy connection") {
                 for cells in &reply {

@@ -1,7 +1,7 @@
 //! The planner as a service, beside iceoryx2 alone and a Unix-domain socket in the same run: round
 //! trips by the way to wait, requests per second, a short request beside a long one, the tap.
 //!
-//! `cargo bench -p integration-tests --bench service`
+//! `cargo bench -p integration-tests --bench service [-- round-trip|rate|beside|recorder]`
 
 #[path = "bare.rs"]
 mod bare;
@@ -29,10 +29,18 @@ const ROUNDS: usize = 10;
 const COUNTED: Duration = Duration::from_secs(2);
 
 fn main() {
-    round_trips();
-    requests_per_second();
-    beside_a_long_one();
-    with_a_recorder();
+    let parts: [(&str, fn()); 4] = [
+        ("round-trip", round_trips),
+        ("rate", requests_per_second),
+        ("beside", beside_a_long_one),
+        ("recorder", with_a_recorder),
+    ];
+    let chosen: Vec<_> = std::env::args().skip(1).filter(|name| !name.starts_with('-')).collect();
+    for (name, part) in parts {
+        if chosen.is_empty() || chosen.iter().any(|chosen| chosen == name) {
+            part();
+        }
+    }
 }
 
 /// A planner process with these settings.
@@ -48,12 +56,19 @@ fn memory(samples: u64) -> (RequestHeader, Vec<u64>) {
     (header.expect("one dimension"), cells)
 }
 
-fn timed(times: &mut Vec<Duration>, mut call: impl FnMut()) {
-    for _ in 0..ROUND {
-        let begun = Instant::now();
-        call();
-        times.push(begun.elapsed());
+fn timed(times: &mut Vec<Duration>, call: impl FnOnce()) {
+    let begun = Instant::now();
+    call();
+    times.push(begun.elapsed());
+}
+
+/// Times as many calls as all rounds have.
+fn all_timed(mut call: impl FnMut()) -> Vec<Duration> {
+    let mut times = Vec::with_capacity(ROUND * ROUNDS);
+    for _ in 0..ROUND * ROUNDS {
+        timed(&mut times, &mut call);
     }
+    times
 }
 
 /// Microseconds that so many of the times do not exceed.
@@ -120,17 +135,14 @@ fn round_trips() {
             let test = TestDomain::new();
             let _planner = planner(&test, &format!("wait = {name:?}"));
             let client = Client::connect(&test.domain(), how).expect("the planner is up");
-            let mut times = Vec::new();
-            for _ in 0..ROUNDS {
-                timed(&mut times, || match how {
-                    Wait::Poll => poll(&client, &request, std::hint::spin_loop),
-                    _ => {
-                        let mut pending =
-                            client.send_cells(request.0, &request.1).expect("the planner is up");
-                        while !pending.wait_part(Instant::now() + LONG).expect("a part").last {}
-                    }
-                });
-            }
+            let mut times = all_timed(|| match how {
+                Wait::Poll => poll(&client, &request, std::hint::spin_loop),
+                _ => {
+                    let mut pending =
+                        client.send_cells(request.0, &request.1).expect("the planner is up");
+                    while !pending.wait_part(Instant::now() + LONG).expect("a part").last {}
+                }
+            });
             line(&format!("{samples} samples, {name}"), &mut times);
         }
         bare_round_trips(samples, &request.1, &reply);
@@ -147,10 +159,7 @@ fn bare_round_trips(samples: u64, cells: &[u64], reply: &[usize]) {
         let calls = scope.spawn(|| {
             let floor = Bare::new(&name);
             let client = floor.client(cells.len());
-            let mut times = Vec::new();
-            for _ in 0..ROUNDS {
-                timed(&mut times, || poll_bare(&client, cells, reply.len(), std::hint::spin_loop));
-            }
+            let times = all_timed(|| poll_bare(&client, cells, reply.len(), std::hint::spin_loop));
             stop.store(true, Ordering::Release);
             times
         });
@@ -178,13 +187,11 @@ fn socket_round_trips(samples: u64, cells: &[u64], reply: &[usize]) {
                 theirs.write_all(&reply).expect("the client is there");
             }
         });
-        let (mut times, mut answer) = (Vec::new(), vec![0; reply]);
-        for _ in 0..ROUNDS {
-            timed(&mut times, || {
-                ours.write_all(&request).expect("the server is there");
-                ours.read_exact(&mut answer).expect("the server is there");
-            });
-        }
+        let mut answer = vec![0; reply];
+        let mut times = all_timed(|| {
+            ours.write_all(&request).expect("the server is there");
+            ours.read_exact(&mut answer).expect("the server is there");
+        });
         line(&format!("{samples} samples, bytes over a Unix socket"), &mut times);
         drop(ours);
     });
@@ -266,9 +273,7 @@ fn beside_a_long_one() {
     let busy = Client::connect(&test.domain(), Wait::Hybrid).expect("the planner is up");
     let request = scene(2);
     let calls = |what| {
-        let mut times = Vec::new();
-        timed(&mut times, || drop(client.call(&request, LONG).expect("an answer")));
-        line(what, &mut times);
+        line(what, &mut all_timed(|| drop(client.call(&request, LONG).expect("an answer"))));
     };
     calls("alone");
     let mut long = busy.send(&endless(1)).expect("the planner is up");
@@ -276,20 +281,27 @@ fn beside_a_long_one() {
     calls("while another client's map is planned");
 }
 
+/// What a recorder costs that keeps up. It reads between the calls: on two cores, one that runs
+/// beside them would take time from the planner or its client.
 fn with_a_recorder() {
-    heading("1,000 samples, poll");
+    heading("poll");
     let test = TestDomain::new();
     let _planner = planner(&test, "wait = \"poll\"");
     let client = Client::connect(&test.domain(), Wait::Poll).expect("the planner is up");
-    let request = memory(1_000);
-    let (mut without, mut with) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
-        timed(&mut without, || poll(&client, &request, std::hint::spin_loop));
-        // It sleeps meanwhile: on two cores, whoever reads takes time from one of the others.
-        let recorder = TapReader::connect(&test.domain()).expect("a place for a recorder");
-        timed(&mut with, || poll(&client, &request, std::hint::spin_loop));
-        drop(recorder);
+    for samples in [2, 100, 1_000] {
+        let request = memory(samples);
+        let (mut without, mut with) = (Vec::new(), Vec::new());
+        for _ in 0..ROUNDS {
+            for _ in 0..ROUND {
+                timed(&mut without, || poll(&client, &request, std::hint::spin_loop));
+            }
+            let mut recorder = TapReader::connect(&test.domain()).expect("a place for a recorder");
+            for _ in 0..ROUND {
+                timed(&mut with, || poll(&client, &request, std::hint::spin_loop));
+                while recorder.receive().is_some() {}
+            }
+        }
+        line(&format!("{samples} samples, without a recorder"), &mut without);
+        line(&format!("{samples} samples, with one"), &mut with);
     }
-    line("without a recorder", &mut without);
-    line("with one", &mut with);
 }
