@@ -91,7 +91,7 @@ fn find(errand: &Errand<'_>, wish: Wish, planner: &mut Planner) -> Result<RobotM
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
     fn motions_are_free_and_no_shorter_than_their_bound(

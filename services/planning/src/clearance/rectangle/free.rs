@@ -167,9 +167,14 @@ impl Binding {
     /// Bisects a line on which the body turns until no part can hold much less.
     ///
     /// No point of the body strays farther from its chord over a part than `bend`. What a side
-    /// sweeps is thus, but for the bend, within the hull of its places at both ends, and a
-    /// wall point outside is as near to it as to the nearest of the segments between its four
-    /// ends. None is inside: the body stays `apart` from the walls by more than the bend.
+    /// sweeps along chords ends at both its places and at the chords of its ends, or where the
+    /// chords of its points run along itself. There it is within `slid` * `turned` / cos(`turned`
+    /// / 2) of one of the others, the angle turned over the part and the way of the body's
+    /// fastest point: a point of the side that has come to the same place along it before is
+    /// on another place of the side, turned by less, or past its end, on the end's chord. So but
+    /// for these two, which shrink with the square of the part, a wall point is as near to
+    /// what the body sweeps as to its places at both ends and to the chords of its corners. None
+    /// is inside: the body stays `apart` from the walls by more than the bend.
     fn look_while_turning(
         &mut self,
         moving: &Moving,
@@ -181,23 +186,19 @@ impl Binding {
         if !(low < middle && middle < high) {
             return Ok(());
         }
-        let bend = moving.bend() * (high - low) * (high - low) / 8.0;
-        if bend < self.apart {
+        let part = high - low;
+        let bend = moving.bend() * part * part / 8.0;
+        let (slid, turned) = (moving.fastest() * part, moving.turned() * part);
+        if bend < self.apart && turned < 1.0 {
+            // 1 / cos(0.5) is 1.14.
+            let less = bend + 1.2 * slid * turned;
             let bodies = [moving.body_at(low), moving.body_at(high)];
             let [before, after] = bodies.map(|body| body.corners());
-            let mut shapes = [NearShape::Rectangle(bodies[0], bend); 20];
-            let mut next = 0;
-            for (from, to) in [(0, 1), (1, 3), (3, 2), (2, 0)] {
-                for (a, b) in [
-                    (before[from], before[to]),
-                    (after[from], after[to]),
-                    (before[from], after[from]),
-                    (before[from], after[to]),
-                    (before[to], after[from]),
-                ] {
-                    shapes[next] = NearShape::Rectangle(PlacedRectangle::between(&a, &b), bend);
-                    next += 1;
-                }
+            let mut shapes = [NearShape::Rectangle(bodies[0], less); 6];
+            shapes[1] = NearShape::Rectangle(bodies[1], less);
+            for corner in 0..4 {
+                let chord = PlacedRectangle::between(&before[corner], &after[corner]);
+                shapes[2 + corner] = NearShape::Rectangle(chord, less);
             }
             let limit = self.value - FREE_TURNING_WHILE_MOVING_BOUND;
             let mut bound = Self { value: limit, ..*self };

@@ -91,6 +91,16 @@ impl Moving {
         self.reach * self.turned * self.turned
     }
 
+    /// The angle turned, without its sign.
+    pub(super) fn turned(&self) -> f64 {
+        self.turned.abs()
+    }
+
+    /// No point of the body moves farther per unit of progress, metres.
+    pub(super) fn fastest(&self) -> f64 {
+        self.length + self.reach * self.turned()
+    }
+
     pub(super) fn meet(
         &self,
         wall: &Wall<2>,
@@ -125,7 +135,7 @@ impl Moving {
         let enough = met.value - bend.bound;
         let part = b.progress - a.progress;
         let first_touch_is_known = met.value == 0.0 && met.along <= a.progress;
-        let speed = self.length + self.reach * self.turned.abs();
+        let speed = self.fastest();
         if first_touch_is_known || (a.distance + b.distance - speed * part) / 2.0 >= enough {
             return Ok(());
         }
