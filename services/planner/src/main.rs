@@ -19,7 +19,7 @@ use program::{Diagnostics, Exit, LogFormat};
 #[derive(Parser)]
 #[command(
     name = "planner",
-    version,
+    version = program::VERSION,
     after_help = "\
 Settings in FILE (TOML), with their defaults:
   wait = \"hybrid\"          # \"event\" sleeps, \"poll\" takes a core, \"hybrid\" spins, then sleeps

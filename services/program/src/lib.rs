@@ -18,8 +18,10 @@ mod diagnostics;
 mod exit;
 mod log_format;
 mod print;
+mod version;
 
 pub use diagnostics::{Diagnostics, start_diagnostics};
 pub use exit::{Exit, main};
 pub use log_format::LogFormat;
 pub use print::{PrintError, report, warn};
+pub use version::{REVISION, VERSION};

@@ -10,7 +10,7 @@ use clap::{Parser, ValueEnum};
 #[derive(Debug, Parser)]
 #[command(
     name = "plan",
-    version,
+    version = program::VERSION,
     after_help = "\
 Examples:
   plan recordings/scenes/disassemble.json

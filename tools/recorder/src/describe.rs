@@ -13,7 +13,7 @@ pub(crate) fn describe(settings: &Settings, status: Option<&str>) -> BTreeMap<St
     let mut description = BTreeMap::new();
     let mut add = |name: &str, value: String| description.insert(name.to_owned(), value);
     add("version", env!("CARGO_PKG_VERSION").to_owned());
-    if let Some(revision) = option_env!("CLEARWAY_REVISION") {
+    if let Some(revision) = program::REVISION {
         add("revision", revision.to_owned());
     }
     add("layout", format!("{} {:016x}", wire::VERSION, wire::layout_hash()));

@@ -135,7 +135,7 @@ it. A free-standing scene gives the same reply.
 
 /// Plans again what was recorded, and compares
 #[derive(Debug, Parser)]
-#[command(name = "replay", version, after_help = format!("{EXAMPLES}\n{EXIT_CODES}"))]
+#[command(name = "replay", version = program::VERSION, after_help = format!("{EXAMPLES}\n{EXIT_CODES}"))]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
