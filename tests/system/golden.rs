@@ -119,11 +119,59 @@ fn python() -> Option<PathBuf> {
     (made && run(&python, &install)).then_some(python)
 }
 
+/// A folder with the packages `@mcap/core` and `@mcap/support` from npm, made once; none where they
+/// can't be had.
+fn node_packages() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("npm-mcap-2.2.2");
+    let packages =
+        ["@mcap/core", "@mcap/support"].map(|name| folder.join("node_modules").join(name));
+    if packages.iter().all(|package| package.join("package.json").exists()) {
+        return Some(folder);
+    }
+    std::fs::create_dir_all(&folder).ok()?;
+    std::fs::write(folder.join("package.json"), r#"{"private": true}"#).ok()?;
+    let done = Command::new("npm")
+        .args(["install", "--ignore-scripts", "--no-audit", "--no-fund", "--save-exact"])
+        .args(["@mcap/core@2.2.2", "@mcap/support@1.1.0"])
+        .current_dir(&folder)
+        .output();
+    done.is_ok_and(|done| done.status.success()).then_some(folder)
+}
+
+/// A program that reads recordings with nothing of ours, and what it takes before and after the
+/// file.
+struct Independent {
+    program: PathBuf,
+    before: PathBuf,
+    after: Vec<PathBuf>,
+}
+
 #[test]
-fn an_independent_reader_sees_the_same() {
-    let Some(python) = python() else {
-        println!("SKIPPED: no Python with the package mcap can be had here");
-        return;
+fn a_reader_in_python_sees_the_same() {
+    match python() {
+        Some(program) => {
+            let before = root().join("tests/system/read_mcap.py");
+            check_reader(&Independent { program, before, after: Vec::new() });
+        }
+        None => println!("SKIPPED: no Python with the package mcap can be had here"),
+    }
+}
+
+#[test]
+fn a_reader_in_javascript_sees_the_same() {
+    match node_packages() {
+        Some(folder) => {
+            let before = root().join("tests/system/read_mcap.mjs");
+            check_reader(&Independent { program: "node".into(), before, after: vec![folder] });
+        }
+        None => println!("SKIPPED: no Node.js with the package @mcap/core can be had here"),
+    }
+}
+
+fn check_reader(reader: &Independent) {
+    let read = |path: &Path| {
+        let mut command = Command::new(&reader.program);
+        command.arg(&reader.before).arg(path).args(&reader.after).output().unwrap()
     };
     let test = TestDomain::new();
     // Messages of version 1 have no bytes in this one.
@@ -140,11 +188,17 @@ fn an_independent_reader_sees_the_same() {
         files.push(path);
     }
     for path in files {
-        let read = Command::new(&python)
-            .arg(root().join("tests/system/read_mcap.py"))
-            .arg(&path)
-            .output()
-            .unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let read_damaged = |at: usize| {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 1;
+            let path = test.path("damaged.mcap");
+            std::fs::write(&path, damaged).unwrap();
+            read(&path)
+        };
+        // In the middle of a chunk's messages; else agreement would say nothing of checksums.
+        assert!(!read_damaged(bytes.len() / 2).status.success(), "{}", path.display());
+        let read = read(&path);
         let said = String::from_utf8_lossy(&read.stderr);
         assert!(read.status.success(), "{}: {said}", path.display());
         let recording = recording(&path);
