@@ -43,7 +43,7 @@ const SERVICES: [&str; 10] = [
     "program",
     "planner",
 ];
-const TOOLS: [&str; 4] = ["plan", "recorder", "render", "replay"];
+const TOOLS: [&str; 5] = ["plan", "recorder", "render", "replay", "viewing"];
 
 #[test]
 fn dependencies_run_one_way() {
@@ -61,6 +61,8 @@ fn dependencies_run_one_way() {
         ("planner", vec!["answer", "bus", "configuration", "program", "schemas"]),
         // Draws what it is given; plans in its tests.
         ("render", vec!["schemas", "answer"]),
+        // Says what it is given in messages of others; plans in its tests.
+        ("viewing", vec!["schemas", "render", "answer"]),
         // Can plan in its own process; reaches the planner by the bus only.
         (
             "plan",
@@ -79,6 +81,7 @@ fn dependencies_run_one_way() {
                 "comparison",
                 "recording",
                 "render",
+                "viewing",
                 "program",
             ],
         ),
@@ -129,6 +132,7 @@ fn each_foreign_format_has_one_owner() {
     check_owners(&["recording"], "mcap");
     check_owners(&["schemas"], "bincode");
     check_owners(&["floor-plan"], "image");
+    check_owners(&["viewing"], "foxglove");
 }
 
 /// Our source files and their text, this package's own included.

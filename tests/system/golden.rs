@@ -9,6 +9,7 @@ use recording::{Compression, Message, Options, Writer};
 use schemas::message::ReplyPart;
 use sha2::{Digest, Sha256};
 
+use crate::python::python;
 use crate::read::recording;
 
 /// The largest a recording in the repository may be, bytes.
@@ -101,22 +102,6 @@ fn one_changed_bit_is_a_regression_that_says_where() {
     assert_eq!(values.next(), Some(planned), "{line}");
     let tolerant = test.run("replay", &["check", "changed.mcap", "--tolerance", "1e-12"]);
     assert_eq!(tolerant.code, Some(0), "{tolerant:?}");
-}
-
-/// A Python with the package `mcap` from PyPI, made once; none where it can't be had.
-fn python() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python-mcap-1.6.0");
-    let python = folder.join("bin/python3");
-    let run = |program: &Path, arguments: &[&str]| {
-        let done = Command::new(program).args(arguments).output();
-        done.is_ok_and(|done| done.status.success())
-    };
-    if run(&python, &["-c", "import mcap.stream_reader"]) {
-        return Some(python);
-    }
-    let made = run(Path::new("python3"), &["-m", "venv", "--clear", folder.to_str()?]);
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "mcap==1.6.0"];
-    (made && run(&python, &install)).then_some(python)
 }
 
 /// A folder with the packages `@mcap/core` and `@mcap/support` from npm, made once; none where they

@@ -8,6 +8,7 @@ use std::{fs, io};
 use schemas::message::{Reply, Request, RequestContent, RequestKey};
 
 use crate::compare::{Comparison, Difference, Outcome, Verdict, compare};
+use crate::describe::counted;
 use crate::exchanges::{self, Contents, Exchange};
 use crate::tolerance::Tolerance;
 
@@ -19,8 +20,8 @@ const MOST_SHOWN: usize = 10;
 pub struct Checked {
     /// The file, or the first of several.
     pub path: PathBuf,
-    /// How many more files the recording has.
-    pub more: usize,
+    /// The recording's files that follow it.
+    pub more: Vec<PathBuf>,
     /// What is in it.
     pub contents: Contents,
     /// Its exchanges, in the order in which their replies ended.
@@ -153,7 +154,7 @@ impl fmt::Display for Case {
 impl fmt::Display for Checked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { path, more, contents, cases: _ } = self;
-        let path = match more {
+        let path = match more.len() {
             0 => path.display().to_string(),
             more => format!("{} and {more} more", path.display()),
         };
@@ -168,9 +169,9 @@ impl fmt::Display for Checked {
         let counts = self.counts();
         let left = counts.different.saturating_sub(MOST_SHOWN as u64);
         if left > 0 {
-            writeln!(f, "{path}: {left} more requests differ")?;
+            writeln!(f, "{path}: {} more differ", counted(left, "request"))?;
         }
-        write!(f, "{path}: {} requests", contents.requests)?;
+        write!(f, "{path}: {}", counted(contents.requests, "request"))?;
         if counts != Counts::default() {
             write!(f, ", {counts}")?;
         }
@@ -178,7 +179,7 @@ impl fmt::Display for Checked {
             write!(f, ", {} incomplete", contents.losses.len())?;
         }
         if contents.lost() > 0 {
-            write!(f, ", {} messages lost while recording", contents.lost())?;
+            write!(f, ", {} lost while recording", counted(contents.lost(), "message"))?;
         }
         match &contents.error {
             Some(error) if error.is_cut() => write!(f, ", cut"),
@@ -207,7 +208,7 @@ pub fn check(
         cases.push(Case::new(&exchange, (&planned, began.elapsed()), tolerance));
     });
     let path = files.first().cloned().unwrap_or_default();
-    Checked { path, more: files.len().saturating_sub(1), contents, cases }
+    Checked { path, more: files.iter().skip(1).cloned().collect(), contents, cases }
 }
 
 /// The recordings that `paths` name: files, and all `*.mcap` in folders and below, sorted.

@@ -5,6 +5,12 @@ use std::fmt;
 use crate::compare::AnswerComparison;
 use crate::motion::{Change, Deviation, MotionChange};
 
+/// How many of something there are: `1 request`, `2 requests`.
+pub fn counted(count: u64, what: &str) -> String {
+    let end = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{end}")
+}
+
 /// Such as `answer 0 moved: position by 0.001 m (sample 4, 0.2 m along), duration -0.5 s`.
 impl fmt::Display for AnswerComparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

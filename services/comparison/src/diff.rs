@@ -1,7 +1,7 @@
 //! Compares two recordings.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::PathBuf;
 
 use schemas::message::{Reply, RequestKey};
 
@@ -62,13 +62,13 @@ impl Requests {
     }
 }
 
-/// Compares the recordings `first` and `second`; their requests are paired by [`pair`]. `progress`
+/// Compares the recordings `first` and `second`, each of one file or more; their requests are paired by [`pair`]. `progress`
 /// is told how many bytes of the recording at hand have been read, `each` gets every pair with the
 /// exchange of the first recording and the reply of the second.
 ///
 /// The first recording is read twice. Memory: the replies of the second.
 pub fn diff(
-    [first, second]: [&Path; 2],
+    [first, second]: [&[PathBuf]; 2],
     tolerance: &Tolerance,
     mut progress: impl FnMut(u64),
     mut each: impl FnMut(&Pair, &Exchange, &Reply),
@@ -76,8 +76,8 @@ pub fn diff(
     let mut requests = [Requests::default(), Requests::default()];
     let mut replies: BTreeMap<u64, Reply> = BTreeMap::new();
     let contents = [
-        exchanges::read(first, &mut progress, |exchange| requests[0].add(&exchange)),
-        exchanges::read(second, &mut progress, |exchange| {
+        exchanges::read_all(first, &mut progress, |exchange| requests[0].add(&exchange)),
+        exchanges::read_all(second, &mut progress, |exchange| {
             requests[1].add(&exchange);
             replies.insert(exchange.index, exchange.reply);
         }),
@@ -88,7 +88,7 @@ pub fn diff(
     let partner: BTreeMap<u64, u64> =
         paired.pairs.iter().map(|[one, other]| (indices[0][*one], indices[1][*other])).collect();
     let mut pairs = Vec::with_capacity(partner.len());
-    exchanges::read(first, &mut progress, |exchange| {
+    exchanges::read_all(first, &mut progress, |exchange| {
         let Some(other) = partner.get(&exchange.index) else { return };
         let Some(mut reply) = replies.remove(other) else { return };
         let (key, other_key) = (exchange.reply.key, reply.key);

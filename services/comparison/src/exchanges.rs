@@ -138,6 +138,11 @@ impl Contents {
             || self.error.as_ref().is_some_and(ReadError::is_cut)
     }
 
+    /// Whether nothing of it could be read because of the system: it is not there, or a folder.
+    pub fn is_unopened(&self) -> bool {
+        self.bytes == 0 && matches!(self.error, Some(ReadError::Io { offset: 0, .. }))
+    }
+
     /// Why it could not be read, unless it is only cut off.
     pub fn failure(&self) -> Option<&ReadError> {
         self.error.as_ref().filter(|error| !error.is_cut())

@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 
 use mcap::records::op;
-use schemas::message::Request;
 use schemas::{codec, topic};
 
 use crate::error::{Damage, ReadError};
 use crate::fields::Fields;
 use crate::format::{Topic, VERSION_KEY};
-use crate::record::{Message, Record};
+use crate::record::{Aside, Message, Record};
 
 /// What the channels of a file hold.
 #[derive(Default)]
@@ -32,10 +31,8 @@ struct Channel {
 pub(crate) enum Step {
     /// A message.
     Record(Box<Record>),
-    /// A request that made a free space known.
-    FreeSpace { request: Box<Request>, log_ns: u64 },
-    /// What the planner said of itself.
-    Status { json: String, log_ns: u64 },
+    /// What is not numbered.
+    Aside(Aside),
     /// A message of a channel that is not ours.
     Skipped,
     /// A channel or a schema, or nothing of interest.
@@ -176,7 +173,10 @@ impl Channels {
         channel.messages += 1;
         if let Some(version) = channel.uploads {
             return Some(match codec::decode_request(version, fields.0) {
-                Ok(request) => Ok(Step::FreeSpace { request: Box::new(request), log_ns }),
+                Ok(request) => {
+                    let request = Box::new(request);
+                    Ok(Step::Aside(Aside::FreeSpace { request, log_ns }))
+                }
                 Err(source) => {
                     let topic = topic::FREE_SPACE;
                     Err(ReadError::Message { offset, topic, sequence, source })
@@ -186,7 +186,7 @@ impl Channels {
         let Some((topic, version)) = channel.ours else {
             let json = std::str::from_utf8(fields.0).ok().filter(|_| channel.is_status);
             return Some(Ok(match json {
-                Some(json) => Step::Status { json: json.to_owned(), log_ns },
+                Some(json) => Step::Aside(Aside::Status { json: json.to_owned(), log_ns }),
                 None => Step::Skipped,
             }));
         };

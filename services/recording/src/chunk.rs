@@ -6,6 +6,7 @@ use crate::channels::{Channels, Step};
 use crate::error::{Damage, ReadError};
 use crate::fields::Fields;
 use crate::format::MOST_RECORD_BYTES;
+use crate::options::Compression;
 
 /// The header of a chunk, and what is behind it.
 pub(crate) struct Chunk<'a> {
@@ -40,6 +41,16 @@ impl<'a> Chunk<'a> {
     /// Whether it names a checksum. By the specification it need not.
     pub(crate) fn has_checksum(&self) -> bool {
         self.checksum != 0
+    }
+
+    /// How its records are compressed.
+    pub(crate) fn compression(&self) -> Compression {
+        match self.compression {
+            "lz4" => Compression::Lz4,
+            "zstd" => Compression::Zstd,
+            // Others are refused when they are unpacked.
+            _ => Compression::None,
+        }
     }
 
     fn is_compressed(&self) -> bool {

@@ -19,7 +19,8 @@ use crate::fields::{Fields, RECORD_HEAD};
 use crate::format::MOST_RECORD_BYTES;
 use crate::gaps::Gaps;
 use crate::mark::{Mark, Marks};
-use crate::record::{Heartbeat, Record};
+use crate::options::Compression;
+use crate::record::{Aside, Heartbeat, Record};
 use crate::summary::{self, Summary};
 
 /// Reads a recording from its beginning, in file order, which is bus order.
@@ -54,7 +55,9 @@ pub struct Reader<R: Read = File> {
     coverage: Coverage,
     skipped: u64,
     statuses: u64,
-    free_spaces: Vec<Request>,
+    asides: Vec<Aside>,
+    keeps_statuses: bool,
+    compression: Compression,
     claimed: Option<Summary>,
     data_ended: bool,
     done: bool,
@@ -104,7 +107,9 @@ impl<R: Read> Reader<R> {
             coverage: Coverage::default(),
             skipped: 0,
             statuses: 0,
-            free_spaces: Vec::new(),
+            asides: Vec::new(),
+            keeps_statuses: false,
+            compression: Compression::None,
             claimed: None,
             data_ended: false,
             done: false,
@@ -164,10 +169,29 @@ impl<R: Read> Reader<R> {
     /// Takes the requests that had made free spaces known to which the messages read last refer, and
     /// which were sent before this file began.
     pub fn take_free_spaces(&mut self) -> Vec<Request> {
-        std::mem::take(&mut self.free_spaces)
+        let free_space = |aside| match aside {
+            Aside::FreeSpace { request, .. } => Some(*request),
+            Aside::Status { .. } => None,
+        };
+        self.take_asides().into_iter().filter_map(free_space).collect()
     }
 
-    /// Statuses of the planner so far, which are not returned.
+    /// From now on, [`Self::take_asides`] has statuses as well.
+    pub fn keep_statuses(&mut self) {
+        self.keeps_statuses = true;
+    }
+
+    /// Takes what stood between the messages read so far, in its order.
+    pub fn take_asides(&mut self) -> Vec<Aside> {
+        std::mem::take(&mut self.asides)
+    }
+
+    /// How chunks are compressed, by the last one read.
+    pub fn compression(&self) -> Compression {
+        self.compression
+    }
+
+    /// Statuses of the planner so far.
     pub fn statuses(&self) -> u64 {
         self.statuses
     }
@@ -270,6 +294,7 @@ impl<R: Read> Reader<R> {
                     }
                     let at = offset + RECORD_HEAD as u64;
                     self.records.fill(&chunk, at).map_err(damaged)?;
+                    self.compression = chunk.compression();
                     self.coverage.add(bytes, checked);
                     return Ok(Outer::Chunk);
                 }
@@ -351,8 +376,13 @@ impl<R: Read> Reader<R> {
                     self.gaps.before(record.sequence);
                     return Ok(Some(*record));
                 }
-                Step::FreeSpace { request, .. } => self.free_spaces.push(*request),
-                Step::Status { .. } => self.statuses += 1,
+                Step::Aside(aside) => {
+                    let is_status = matches!(aside, Aside::Status { .. });
+                    self.statuses += u64::from(is_status);
+                    if !is_status || self.keeps_statuses {
+                        self.asides.push(aside);
+                    }
+                }
                 Step::Skipped => self.skipped += 1,
                 Step::Other => {}
             }

@@ -27,6 +27,25 @@ pub struct Record {
     pub sequence: u32,
 }
 
+/// What a recording holds beside the bus's messages that are numbered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Aside {
+    /// A request before the recording that had made a free space known to which a later one refers.
+    FreeSpace {
+        /// The request.
+        request: Box<Request>,
+        /// When the recorder took it; nanoseconds since the Unix epoch.
+        log_ns: u64,
+    },
+    /// What the planner said of itself.
+    Status {
+        /// A JSON object.
+        json: String,
+        /// When the recorder took it; nanoseconds since the Unix epoch.
+        log_ns: u64,
+    },
+}
+
 /// A recorder's sign of life, in the recording at each flush.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heartbeat {

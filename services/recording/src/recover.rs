@@ -19,7 +19,7 @@ use crate::gaps::Gaps;
 use crate::options::Options;
 use crate::parts::{self, Dropped, Part, Parts};
 use crate::read::Reader;
-use crate::record::{Heartbeat, Message, Record};
+use crate::record::{Aside, Heartbeat, Message, Record};
 use crate::source::Source;
 use crate::summary::Summary;
 use crate::write::Writer;
@@ -282,18 +282,18 @@ impl Copy {
                         Message::Reply(reply) => writer.write_reply(reply, record.log_ns)?,
                     }
                 }
-                Ok(Step::FreeSpace { request, log_ns }) => {
+                Ok(Step::Aside(aside @ Aside::FreeSpace { .. })) => {
                     // It stands before the request that refers to it.
                     let writer = match (&mut *writer, make.take()) {
                         (Some(writer), _) => writer,
                         (none, Some(make)) => none.insert(make()?),
                         (None, None) => unreachable!("it is made once"),
                     };
-                    writer.write_free_space(&request, log_ns)?;
+                    writer.write_aside(&aside)?;
                 }
-                Ok(Step::Status { json, log_ns }) => {
+                Ok(Step::Aside(aside @ Aside::Status { .. })) => {
                     if let Some(writer) = writer {
-                        writer.write_status(&json, log_ns)?;
+                        writer.write_aside(&aside)?;
                     }
                 }
                 Ok(Step::Skipped) => self.skipped += 1,

@@ -19,6 +19,7 @@ use crate::format::{
 };
 use crate::mark::{self, Mark};
 use crate::options::{Compression, Options};
+use crate::record::Aside;
 use crate::summary::{self, DESCRIPTION_NAME, SUMMARY_NAME, Summary};
 use crate::write_error::WriteError;
 
@@ -66,6 +67,25 @@ pub struct Writer<W: Write = NewFile> {
     in_gap: bool,
     summary: Summary,
 }
+
+/// A channel for programs that know nothing of planning, such as viewers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ForeignChannel<'a> {
+    /// Its name.
+    pub topic: &'a str,
+    /// Of its messages, such as `json` or `protobuf`.
+    pub encoding: &'a str,
+    /// The name of its messages' schema.
+    pub schema: &'a str,
+    /// How the schema is written, such as `jsonschema` or `protobuf`.
+    pub schema_encoding: &'a str,
+    /// The schema.
+    pub schema_data: &'a [u8],
+}
+
+/// A channel that was added to a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ForeignChannelId(u16);
 
 enum State<W: Write> {
     Open(Box<mcap::Writer<NoSeek<Counted<W>>>>),
@@ -228,43 +248,91 @@ impl<W: Write> Writer<W> {
     /// Appends a request that made a free space known to which later ones refer, and which this file
     /// does not have. It is none of the bus's messages that are numbered.
     pub fn write_free_space(&mut self, request: &Request, log_ns: u64) -> Result<(), WriteError> {
-        self.bytes.clear();
-        codec::encode_into(request, &mut self.bytes);
-        let (bytes, most) = (self.bytes.len(), MOST_MESSAGE_BYTES);
-        if bytes > most {
-            return Err(WriteError::TooLarge { bytes, most });
-        }
+        let mut bytes = std::mem::take(&mut self.bytes);
+        bytes.clear();
+        codec::encode_into(request, &mut bytes);
         let header = MessageHeader {
             channel_id: self.free_space_channel,
             sequence: 0,
             log_time: log_ns,
             publish_time: request.sent_ns,
         };
-        let message = &self.bytes;
-        self.state.run(|writer| writer.write_to_known_channel(&header, message))?;
-        self.chunk += (MESSAGE_HEAD + bytes) as u64;
-        (self.time_ns, self.is_marked) = (log_ns, false);
-        Ok(())
+        let written = self.append_beside(&header, &bytes, MOST_MESSAGE_BYTES);
+        self.bytes = bytes;
+        written
     }
 
     /// Appends what a planner says of itself, a JSON object, that the recorder took at `log_ns`.
     /// It is none of the bus's messages that are numbered.
     pub fn write_status(&mut self, json: &str, log_ns: u64) -> Result<(), WriteError> {
-        if json.len() > MOST_STATUS_BYTES {
-            let (bytes, most) = (json.len(), MOST_STATUS_BYTES);
-            return Err(WriteError::TooLarge { bytes, most });
-        }
         let header = MessageHeader {
             channel_id: self.status_channel,
             sequence: self.statuses,
             log_time: log_ns,
             publish_time: log_ns,
         };
-        let json = json.as_bytes();
-        self.state.run(|writer| writer.write_to_known_channel(&header, json))?;
-        self.chunk += (MESSAGE_HEAD + json.len()) as u64;
+        self.append_beside(&header, json.as_bytes(), MOST_STATUS_BYTES)?;
         self.statuses = self.statuses.wrapping_add(1);
-        (self.time_ns, self.is_marked) = (log_ns, false);
+        Ok(())
+    }
+
+    /// Appends what stood beside the messages of another recording.
+    pub fn write_aside(&mut self, aside: &Aside) -> Result<(), WriteError> {
+        match aside {
+            Aside::FreeSpace { request, log_ns } => self.write_free_space(request, *log_ns),
+            Aside::Status { json, log_ns } => self.write_status(json, *log_ns),
+        }
+    }
+
+    /// Adds a channel for programs that know nothing of planning. Readers of recordings skip it.
+    pub fn add_channel(
+        &mut self,
+        channel: &ForeignChannel,
+    ) -> Result<ForeignChannelId, WriteError> {
+        let ForeignChannel { topic, encoding, schema, schema_encoding, schema_data } = channel;
+        let mut id = 0;
+        self.state.run(|writer| {
+            let schema = writer.add_schema(schema, schema_encoding, schema_data)?;
+            id = writer.add_channel(schema, topic, encoding, &BTreeMap::new())?;
+            Ok(())
+        })?;
+        Ok(ForeignChannelId(id))
+    }
+
+    /// Appends a message to a channel that was added, with its time in nanoseconds since the Unix
+    /// epoch. It is none of the bus's messages that are numbered.
+    pub fn write_foreign(
+        &mut self,
+        channel: ForeignChannelId,
+        message: &[u8],
+        log_ns: u64,
+    ) -> Result<(), WriteError> {
+        let header = MessageHeader {
+            channel_id: channel.0,
+            sequence: 0,
+            log_time: log_ns,
+            publish_time: log_ns,
+        };
+        self.append_beside(&header, message, MOST_MESSAGE_BYTES)
+    }
+
+    /// Appends a message that is none of the bus's.
+    fn append_beside(
+        &mut self,
+        header: &MessageHeader,
+        message: &[u8],
+        most: usize,
+    ) -> Result<(), WriteError> {
+        let bytes = message.len();
+        if bytes > most {
+            return Err(WriteError::TooLarge { bytes, most });
+        }
+        if self.chunk >= self.chunk_bytes {
+            self.mark()?;
+        }
+        self.state.run(|writer| writer.write_to_known_channel(header, message))?;
+        self.chunk += (MESSAGE_HEAD + bytes) as u64;
+        (self.time_ns, self.is_marked) = (header.log_time, false);
         Ok(())
     }
 

@@ -65,7 +65,7 @@ fn reports_of_diff_have_the_published_form() {
     let validator = published("diff", &schema::diff());
     let [a, b] =
         ["routes", "free-space"].map(|name| root().join(format!("recordings/{name}.mcap")));
-    let compared = diff([&a, &b], &Tolerance::EXACT, |_| {}, |_, _, _| {});
+    let compared = diff([&[a], &[b]], &Tolerance::EXACT, |_| {}, |_, _, _| {});
     let names = ["a", "b"].map(str::to_owned);
     let report = serde_json::to_value(DiffReport::new(&compared, names)).unwrap();
     assert!(validator.is_valid(&report), "{:?}", validator.iter_errors(&report).next());

@@ -1,11 +1,13 @@
 //! Command-line arguments.
 
+mod help;
+
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bus::Domain;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use comparison::tolerance::Tolerance;
 use schemas::message::Task;
 
@@ -14,124 +16,11 @@ use crate::changes::FieldChange;
 use crate::output::{self, OutputError};
 use crate::show::filter::{self, Condition, Refused};
 use crate::tolerances;
-
-const EXIT_CODES: &str = "\
-Results go to stdout, diagnostics to stderr.
-Exit codes:
-  0  done; all replies compared are equal
-  1  failure: a file can't be read or is damaged, or there was nothing to compare
-  2  usage: wrong arguments
-  3  data was lost: the recorder missed messages, a request lacks its whole reply or a reply
-     its request, or the recording is cut off (its recorder was killed); `recover`: something is
-     missing, or was kept without a checksum
-  4  regression: replies differ
-  129, 130, 143  a signal came (SIGHUP, SIGINT, SIGTERM) while a planner was asked
-If several apply, the first of 4, 1, 3 counts.";
-
-const EXAMPLES: &str = "\
-Examples:
-  replay check recordings/              check all *.mcap in a folder and below
-  replay check run.mcap --tolerance 1e-9
-  replay check recordings/ --format junit > report.xml
-  replay info run.mcap --format json
-  replay show run.mcap --task drive --where 'clearance<0.1'
-  replay show run.mcap --request 3 | plan -
-  replay diff before.mcap after.mcap
-  replay bless recordings/ --only moved
-  replay extract run.mcap --failing -o failing.mcap
-  replay recover killed.mcap.part -o whole.mcap
-";
-
-const COMPARED: &str = "\
-Codes, fields and numbers are compared. Messages are for people: replies whose refusals are
-only worded differently are equal, and counted. Replies that depend on load (too late,
-overloaded) are not compared.
-";
-
-const CHECKED: &str = "\
-Examples:
-  replay check recordings/                         all *.mcap in a folder and below
-  replay check run.mcap --tolerance position=1mm,heading=0.1deg,time=1ms
-  replay check run.mcap --with limits.speed=0.8    what another speed would change
-  replay check recordings/ --format junit > report.xml
-  replay check recordings/ --html report.html
-  replay check recordings/ --via-bus               what the running planner replies
-";
-
-const PAIRED: &str = "\
-Requests are paired by the ids of their scenes. Those without id are paired if they are equal, or
-else by their order within their client: the first client to appear in A is the first of B. Of
-several with the same id, the n-th belongs to the n-th.
-";
-
-const TOLERANCES: &str = "\
-Tolerances: a number for everything, in metres, radians and seconds, or a list of
-  position (m, mm, um), heading (rad, deg), time (s, ms), length, clearance, gap (m, mm),
-  speed (m/s, mm/s), yaw_rate (rad/s, deg/s), refusal (numbers of refusals, no unit)
-What is not listed must be equal bit for bit. For points and velocities, the distance counts. The
-file replay.toml beside a recording says the same, for what the command line does not:
-  [tolerance]
-  position = \"1mm\"
-";
-
-const BLESSED: &str = "\
-Examples:
-  replay bless recordings/
-  replay bless recordings/ --only moved --only id=7
-
-Every reply that is not equal bit for bit is accepted, or of these those that --only names. Requests
-and other replies stay byte for byte; a recording of an older version becomes one of the newest. A
-recording is replaced only if git has it as it is, unless --uncommitted says that it may be lost.
-";
-
-const EXTRACTED: &str = "\
-Examples:
-  replay extract run.mcap --failing -o failing.mcap
-  replay extract run.mcap --request 3 --id 17 -o some.mcap
-
-A request for a free space by its name alone gets the free space, so that it can be planned alone.
-";
-
-const MERGED: &str = "\
-Example:
-  replay merge monday.mcap tuesday.mcap -o week.mcap
-
-A request that is in two of them is an error: its replies could not be told apart.
-";
-
-const PLAYED: &str = "\
-Examples:
-  replay play run.mcap                        as it was
-  replay play run.mcap --rate 2 --loop        twice as fast, until Ctrl-C
-  replay play run.mcap --rate max --clients 8
-
-Each client sends all requests, in the order of the file and at their recorded times; one whose
-reply takes longer sends the next late. Replies are not compared: replay check --via-bus does that.
-";
-
-const SHOWN: &str = "\
-Examples:
-  replay show run.mcap
-  replay show run.mcap --error --task drive
-  replay show run.mcap --where 'clearance<0.1' --where 'took>=50ms'
-  replay show run.mcap --request 3 | plan -
-  replay show run.mcap --reply 3 --format csv > samples.csv
-  replay show run.mcap --request 3 --svg scene.svg
-
-There is a row for each answer. Numbers that --where compares:
-  request           of the request, from 0, in the order of the file
-  id                of the scene
-  answer            of the answer to its request, from 0
-  length, clearance, free_clearance, bound
-                    metres, or with a unit: 5mm
-  duration, took    seconds, or with a unit: 50ms. took is the time from sending the request
-                    to sending the last part of the reply
-  legs, samples     how many
-An answer that has no such number is not listed. Operators: < <= > >= = !=
-
-A request for a free space by its name alone is printed with the free space, if the recording has
-it. A free-standing scene gives the same reply.
-";
+use crate::units::Measure;
+use help::{
+    BLESSED, CHECKED, COMPARED, EXAMPLES, EXIT_CODES, EXPORTED, EXTRACTED, MERGED, PAIRED, PLAYED,
+    SHOWN, TOLERANCES,
+};
 
 /// Plans again what was recorded, and compares
 #[derive(Debug, Parser)]
@@ -144,7 +33,12 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Plan every recorded request again and compare with the recorded reply
-    #[command(after_help = format!("{CHECKED}\n{COMPARED}\n{TOLERANCES}\n{EXIT_CODES}"))]
+    #[command(
+        after_help = format!("{CHECKED}\n{COMPARED}\n{TOLERANCES}\n{EXIT_CODES}"),
+        mut_arg("domain", |domain| domain.requires("via_bus")),
+        mut_arg("wait", |wait| wait.requires("via_bus")),
+        mut_arg("timeout", |timeout| timeout.requires("via_bus")),
+    )]
     Check(Check),
     /// List a recording's requests, or print one of them or its reply
     #[command(after_help = format!("{SHOWN}\n{EXIT_CODES}"))]
@@ -160,7 +54,7 @@ pub(crate) enum Command {
         #[command(flatten)]
         strict: Strict,
     },
-    /// Compare the replies of two recordings
+    /// Compare the replies of two recordings: files, or folders with the files of one each
     #[command(after_help = format!("{PAIRED}\n{COMPARED}\n{TOLERANCES}\n{EXIT_CODES}"))]
     Diff(Diff),
     /// Accept the replies planned now: rewrite those recorded, and nothing else
@@ -169,6 +63,9 @@ pub(crate) enum Command {
     /// Copy some requests and their replies into a recording of their own
     #[command(after_help = format!("{EXTRACTED}\n{EXIT_CODES}"))]
     Extract(Extract),
+    /// Write requests and replies for viewers, as samples, or as ROS messages
+    #[command(after_help = format!("{EXPORTED}\n{EXIT_CODES}"))]
+    Export(Export),
     /// Put recordings together as one, in the order of time
     #[command(after_help = format!("{MERGED}\n{EXIT_CODES}"))]
     Merge(Merge),
@@ -304,6 +201,51 @@ impl Extract {
     /// The check that tells what fails.
     pub(crate) fn check(&self) -> Check {
         Check::plain(vec![self.file.clone()], self.compare, self.config.clone())
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("written").required(true).multiple(true)))]
+pub(crate) struct Export {
+    /// The recording
+    pub(crate) file: PathBuf,
+    /// Only this request, from 0, in the order of the file; repeatable
+    #[arg(long, value_name = "N")]
+    pub(crate) request: Vec<u64>,
+    /// Only scenes with this id; repeatable
+    #[arg(long, value_name = "ID")]
+    pub(crate) id: Vec<u64>,
+    /// Only this task; repeatable
+    #[arg(long, value_name = "TASK", value_parser = filter::task)]
+    pub(crate) task: Vec<Task>,
+    /// The recording again, with messages for viewers
+    #[arg(short, long, value_name = "OUT.mcap", group = "written")]
+    pub(crate) output: Option<PathBuf>,
+    /// A row for each sample; the column scene has the request's number
+    #[arg(long, value_name = "FILE.csv", group = "written")]
+    pub(crate) csv: Option<PathBuf>,
+    /// A line of JSON for each motion, with a nav_msgs/Path and a
+    /// trajectory_msgs/MultiDOFJointTrajectory
+    #[arg(long, value_name = "FILE.jsonl", group = "written")]
+    pub(crate) ros: Option<PathBuf>,
+    /// Begin each motion when the one before has ended
+    #[arg(long)]
+    pub(crate) apart: bool,
+    /// Also show walls as floor plans with cells of this side, such as 5cm
+    #[arg(long, value_name = "CELL", value_parser = cell, requires = "output")]
+    pub(crate) grid: Option<f64>,
+    /// Name of the frame that scenes are in
+    #[arg(long, value_name = "NAME", default_value = "map")]
+    pub(crate) frame: String,
+    /// Replace existing files
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+}
+
+fn cell(text: &str) -> Result<f64, String> {
+    match Measure::Length.parse(text)? {
+        side if side > 0.0 => Ok(side),
+        _ => Err("must be greater than 0".to_owned()),
     }
 }
 

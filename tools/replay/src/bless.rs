@@ -15,7 +15,7 @@ use comparison::compare::{Outcome, Verdict};
 use comparison::named::NamedFreeSpaces;
 use configuration::Config;
 use program::warn;
-use recording::{Message, Options, Writer};
+use recording::{Aside, Message, Options, Record, Writer};
 use schemas::message::{ReplyPart, RequestKey};
 
 use crate::arguments::Bless;
@@ -40,15 +40,6 @@ pub(crate) fn run(
             warn(format_args!("{path} is left as it is: {error} (replay recover)"));
             continue;
         }
-        if file.more > 0 {
-            let (path, files) = (file.path.display(), file.more + 1);
-            warn(format_args!(
-                "{path} is left as it is: the recording has {files} files; `replay merge` makes \
-                 one of them"
-            ));
-            findings.failure = true;
-            continue;
-        }
         let accepted = file.cases.iter().filter(|case| is_accepted(arguments, case));
         let accepted: BTreeSet<u64> = accepted.map(|case| case.index).collect();
         blessed.push((file, accepted));
@@ -57,19 +48,25 @@ pub(crate) fn run(
     if !arguments.uncommitted {
         let changed = blessed.iter().filter(|(_, accepted)| !accepted.is_empty());
         for (file, _) in changed {
-            committed::check(&file.path)?;
+            files(file).try_for_each(committed::check)?;
         }
     }
     for (file, accepted) in &blessed {
         if !accepted.is_empty() {
             let caps = asked.map_or_else(|| check::recorded_caps(&file.path), Ok)?;
-            rewrite(&file.path, accepted, &caps, findings)?;
+            let files: Vec<&Path> = files(file).collect();
+            rewrite(&files, accepted, &caps, findings)?;
         }
         if let Err(error) = tell(file, accepted, out) {
             return Ok(Err(error));
         }
     }
     Ok(Ok(()))
+}
+
+/// The files of a recording.
+fn files(recording: &Checked) -> impl Iterator<Item = &Path> {
+    std::iter::once(&recording.path).chain(&recording.more).map(PathBuf::as_path)
 }
 
 /// Whether the reply has changed, if only by a bit, and is to be accepted.
@@ -95,78 +92,137 @@ fn tell(file: &Checked, accepted: &BTreeSet<u64>, out: &mut impl Write) -> io::R
     writeln!(out, "{path}: {accepted} of {replies} replies accepted")
 }
 
-/// Writes the recording anew with the replies to these requests as they are planned now. Requests
-/// and other replies stay byte for byte.
+/// Writes the files of a recording anew with the replies to these requests as they are planned now.
+/// Requests, other replies and statuses stay byte for byte.
 fn rewrite(
-    path: &Path,
+    files: &[&Path],
     accepted: &BTreeSet<u64>,
     caps: &Caps,
     findings: &mut Findings,
 ) -> Result<(), Box<dyn Error>> {
-    let new = beside(path);
-    let written = rewrite_to(&new, path, accepted, caps, findings);
-    let renamed = written.and_then(|()| Ok(fs::rename(&new, path)?));
+    let mut blessing = Blessing {
+        accepted,
+        caps,
+        free_spaces: NamedFreeSpaces::default(),
+        planned: BTreeMap::new(),
+        requests: 0,
+        ended: None,
+    };
+    let new: Vec<PathBuf> = files.iter().map(|path| beside(path)).collect();
+    let written =
+        files.iter().zip(&new).try_for_each(|(path, new)| blessing.rewrite(path, new, findings));
+    // Each takes the place of the old one only when all are whole.
+    let renamed = written.and_then(|()| {
+        Ok(new.iter().zip(files).try_for_each(|(new, path)| fs::rename(new, path))?)
+    });
     if renamed.is_err() {
-        // The error counts, not whether the half of a file can be removed.
-        _ = fs::remove_file(&new);
+        // The error counts, not whether what was begun can be removed.
+        for path in &new {
+            copying::discard(path);
+            _ = fs::remove_file(path);
+        }
     }
     renamed
 }
 
-/// A new file that takes the place of the old one only when it is whole.
+/// A new file in the folder of the old one.
 fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     path.with_file_name(name)
 }
 
-fn rewrite_to(
-    new: &Path,
-    path: &Path,
-    accepted: &BTreeSet<u64>,
-    caps: &Caps,
-    findings: &mut Findings,
-) -> Result<(), Box<dyn Error>> {
-    let named = |error| format!("{}: {error}", path.display());
-    let mut messages = Messages::open(path).map_err(named)?;
-    let description = messages.description();
-    let options = Options { overwrite: true, description, ..Options::default() };
-    let mut writer = Writer::create(new, options)?;
-    let mut free_spaces = NamedFreeSpaces::default();
-    let mut planned: BTreeMap<RequestKey, Vec<ReplyPart>> = BTreeMap::new();
-    let mut requests = 0;
-    while let Some((record, lost)) = messages.next() {
-        writer.lost(lost);
-        for mut upload in messages.free_spaces() {
-            writer.write_free_space(&upload, record.log_ns)?;
-            free_spaces.resolve(&mut upload);
+/// A recording that is written anew, file by file.
+struct Blessing<'a> {
+    /// The requests whose replies are planned, from 0.
+    accepted: &'a BTreeSet<u64>,
+    caps: &'a Caps,
+    free_spaces: NamedFreeSpaces,
+    /// Replies that take the place of those that come.
+    planned: BTreeMap<RequestKey, Vec<ReplyPart>>,
+    /// Requests so far.
+    requests: u64,
+    /// The number of the message after the file before, in the old recording and in the new.
+    ended: Option<[u64; 2]>,
+}
+
+impl Blessing<'_> {
+    fn rewrite(
+        &mut self,
+        path: &Path,
+        new: &Path,
+        findings: &mut Findings,
+    ) -> Result<(), Box<dyn Error>> {
+        let named = |error| format!("{}: {error}", path.display());
+        let mut messages = Messages::open(path).map_err(named)?;
+        let mut next = messages.next();
+        let begin = messages.begin().unwrap_or(0);
+        // Numbers go on through the files, and what is missing between them stays missing.
+        let first = match self.ended {
+            Some([old, new]) => new + begin.saturating_sub(old),
+            None => begin,
+        };
+        let options = Options {
+            overwrite: true,
+            first,
+            id: messages.id(),
+            compression: messages.compression(),
+            description: messages.description(),
+            ..Options::default()
+        };
+        let mut writer = Writer::create(new, options)?;
+        while let Some((record, lost)) = next {
+            writer.lost(lost);
+            self.write_asides(&mut messages, &mut writer)?;
+            self.write(&record, &mut writer)?;
+            next = messages.next();
         }
+        self.write_asides(&mut messages, &mut writer)?;
+        let old = messages.sequence();
+        writer.lost(messages.end(path, findings));
+        self.ended = old.map(|old| [old, writer.sequence()]);
+        writer.finish()?;
+        Ok(())
+    }
+
+    fn write_asides(
+        &mut self,
+        messages: &mut Messages,
+        writer: &mut Writer,
+    ) -> Result<(), Box<dyn Error>> {
+        for aside in messages.asides() {
+            writer.write_aside(&aside)?;
+            if let Aside::FreeSpace { mut request, .. } = aside {
+                self.free_spaces.resolve(&mut request);
+            }
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, record: &Record, writer: &mut Writer) -> Result<(), Box<dyn Error>> {
         match &record.message {
             Message::Request(request) => {
-                copying::write(&mut writer, &record)?;
+                copying::write(writer, record)?;
                 let mut request = request.clone();
-                free_spaces.resolve(&mut request);
+                self.free_spaces.resolve(&mut request);
                 let key = request.key;
-                match accepted.contains(&requests) {
-                    true => planned.insert(key, Answerer::new(caps).parts_to(&request)),
-                    false => planned.remove(&key),
+                match self.accepted.contains(&self.requests) {
+                    true => self.planned.insert(key, Answerer::new(self.caps).parts_to(&request)),
+                    false => self.planned.remove(&key),
                 };
-                requests += 1;
+                self.requests += 1;
             }
-            Message::Reply(part) => match planned.get(&part.key) {
-                None => copying::write(&mut writer, &record)?,
+            Message::Reply(part) => match self.planned.get(&part.key) {
+                None => copying::write(writer, record)?,
                 Some(_) if !part.last => {}
                 Some(_) => {
-                    for new in planned.remove(&part.key).into_iter().flatten() {
+                    for new in self.planned.remove(&part.key).into_iter().flatten() {
                         let new = ReplyPart { sent_ns: part.sent_ns, ..new };
                         writer.write_reply(&new, record.log_ns)?;
                     }
                 }
             },
         }
+        Ok(())
     }
-    let lost = messages.end(path, findings);
-    writer.lost(lost);
-    writer.finish()?;
-    Ok(())
 }

@@ -38,9 +38,6 @@ pub(crate) fn run(
     let config = arguments.config.as_deref().map(Config::read).transpose()?;
     let config = config.map(|config| config.caps);
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    if arguments.bus.domain.is_some() && !arguments.via_bus {
-        return Err("--domain names a planner to ask: --via-bus asks it".into());
-    }
     let bus = arguments.via_bus.then_some(&arguments.bus);
     if let Some(bus) = bus {
         running::begin();
@@ -98,7 +95,7 @@ pub(crate) fn run(
             before += files.iter().map(|path| length(path)).sum::<u64>();
             bar.suspend(|| complain(&path, &contents));
             findings.add(&contents);
-            let more = files.len() - 1;
+            let more = files[1..].to_vec();
             checked.push(Checked { path, more, contents, cases: Vec::new() });
         }
     });

@@ -10,7 +10,7 @@ use recording::{Options, recover};
 
 use crate::arguments::{Arguments, Command, Format, ReportFormat};
 use crate::findings::Findings;
-use crate::{bless, check, diff, extract, info, junit, merge, play, reading, report, show};
+use crate::{bless, check, diff, export, extract, info, junit, merge, play, reading, report, show};
 
 /// Runs the command line.
 pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
@@ -30,6 +30,8 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
             findings.strict = strict.strict;
             let contents = reading::whole(&file, &mut findings, |_| ControlFlow::Continue(()));
             match format {
+                // Why was said.
+                _ if contents.is_unopened() => Ok(()),
                 Format::Text => info::text(&file, &contents, &mut out),
                 Format::Json => info::json(&file, &contents, &mut out),
             }
@@ -49,6 +51,7 @@ pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
         }
         Command::Bless(arguments) => bless::run(&arguments, &mut findings, &mut out)?,
         Command::Extract(arguments) => extract::run(&arguments, &mut findings, &mut out)?,
+        Command::Export(arguments) => export::run(&arguments, &mut findings, &mut out)?,
         Command::Merge(arguments) => merge::run(&arguments, &mut findings, &mut out)?,
         Command::Play(arguments) => play::run(&arguments, &mut findings, &mut out)?,
         Command::Recover { file, output, overwrite, unverified } => {

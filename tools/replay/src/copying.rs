@@ -3,10 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use comparison::describe::counted;
 use comparison::named::NamedFreeSpaces;
 use indicatif::ProgressBar;
 use program::warn;
-use recording::{Message, ReadError, Reader, Record, Summary, WriteError, Writer};
+use recording::{
+    Aside, Compression, Message, ReadError, Reader, Record, Summary, WriteError, Writer,
+};
 use schemas::message::{ReplyPart, Request, RequestKey};
 
 use crate::findings::Findings;
@@ -24,7 +27,9 @@ pub(crate) struct Messages {
 
 impl Messages {
     pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
-        Ok(Self { reader: Reader::open(path)?, lost: 0, bar: progress(path), error: None })
+        let mut reader = Reader::open(path)?;
+        reader.keep_statuses();
+        Ok(Self { reader, lost: 0, bar: progress(path), error: None })
     }
 
     /// The next message, and how many are missing before it.
@@ -47,13 +52,34 @@ impl Messages {
         self.reader.description().clone()
     }
 
-    /// Free spaces made known before the recording began, as far as they came up to now.
-    pub(crate) fn free_spaces(&mut self) -> Vec<Request> {
-        self.reader.take_free_spaces()
+    /// Its random number, as far as it is known; see [`Self::begin`].
+    pub(crate) fn id(&self) -> Option<u128> {
+        self.reader.id()
+    }
+
+    /// The number of its first message, known once that is read: a file in a series goes on
+    /// counting.
+    pub(crate) fn begin(&self) -> Option<u64> {
+        self.reader.begin()
+    }
+
+    /// The number of the message that would come next, as far as it is read.
+    pub(crate) fn sequence(&self) -> Option<u64> {
+        self.reader.heartbeat().map(|beat| beat.sequence)
+    }
+
+    /// How it is compressed, as far as it is read.
+    pub(crate) fn compression(&self) -> Compression {
+        self.reader.compression()
+    }
+
+    /// What stood beside the messages read up to now: free spaces and statuses.
+    pub(crate) fn asides(&mut self) -> Vec<Aside> {
+        self.reader.take_asides()
     }
 
     /// Messages missing after the last one read, as the recorder says.
-    fn lost_at_end(&self) -> u64 {
+    pub(crate) fn lost_at_end(&self) -> u64 {
         let claimed = self.reader.summary().map_or(0, |summary| summary.lost);
         claimed.saturating_sub(self.lost)
     }
@@ -82,6 +108,14 @@ pub(crate) fn write(output: &mut Output, record: &Record) -> Result<(), WriteErr
     }
 }
 
+/// Removes a recording that was begun and not finished; what had its name before stays.
+pub(crate) fn discard(path: &Path) {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    // The error that led here counts.
+    _ = std::fs::remove_file(part);
+}
+
 /// Some of the requests of a recording, with all parts of their replies.
 pub(crate) struct Picked<'a> {
     wanted: &'a dyn Fn(u64, &Request) -> bool,
@@ -98,8 +132,12 @@ impl<'a> Picked<'a> {
     }
 
     /// Learns free spaces that requests only name.
-    pub(crate) fn learn(&mut self, mut uploads: Vec<Request>) {
-        uploads.iter_mut().for_each(|upload| self.named.resolve(upload));
+    pub(crate) fn learn(&mut self, asides: Vec<Aside>) {
+        for aside in asides {
+            if let Aside::FreeSpace { mut request, .. } = aside {
+                self.named.resolve(&mut request);
+            }
+        }
     }
 
     /// The message, if it is picked. A request gets the free space that it names.
@@ -130,7 +168,9 @@ pub(crate) fn written(path: &Path, requests: u64, summary: Summary) -> String {
     let Summary { recorded, lost, gaps: _ } = summary;
     let missing = match lost {
         0 => String::new(),
+        1 => ", 1 message is missing".to_owned(),
         lost => format!(", {lost} messages are missing"),
     };
-    format!("{}: {requests} requests, {recorded} messages{missing}", path.display())
+    let (requests, recorded) = (counted(requests, "request"), counted(recorded, "message"));
+    format!("{}: {requests}, {recorded}{missing}", path.display())
 }

@@ -1,29 +1,31 @@
 //! `replay diff`: compares two recordings.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use comparison::check::Counts;
+use comparison::check::{Counts, find};
 use comparison::compare::Outcome;
 use comparison::diff::{Compared, diff};
+use comparison::exchanges;
 use comparison::report::DiffReport;
 
 use crate::arguments::Diff;
 use crate::findings::Findings;
 use crate::html::{self, Details, Page};
-use crate::output::OutputError;
 use crate::reading::{complain, progress};
 use crate::report::write_json;
 
 /// Compares the recordings. What is wrong with them is told on stderr.
-pub(crate) fn run(arguments: &Diff, findings: &mut Findings) -> Result<Compared, OutputError> {
+pub(crate) fn run(arguments: &Diff, findings: &mut Findings) -> Result<Compared, Box<dyn Error>> {
     let Diff { a, b, compare, page, .. } = arguments;
     page.check(&[a, b])?;
+    let [files_of_a, files_of_b] = [files(a)?, files(b)?];
     let bar = progress(b);
     let mut drawn: BTreeMap<u64, Details> = BTreeMap::new();
     let compared = diff(
-        [a, b],
+        [&files_of_a, &files_of_b],
         &compare.tolerance(),
         |at| bar.set_position(at),
         |pair, exchange, reply| {
@@ -44,6 +46,22 @@ pub(crate) fn run(arguments: &Diff, findings: &mut Findings) -> Result<Compared,
     findings.regression |= compared.counts().different > 0 || alone;
     page.write(|| report(&compared, &drawn, [a, b]))?;
     Ok(compared)
+}
+
+/// The files of the recording that a path names: the file itself, or those in a folder.
+fn files(path: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let mut recordings = exchanges::recordings(&find(&[path.to_owned()])?);
+    match (recordings.pop(), recordings.len()) {
+        (Some(files), 0) => Ok(files),
+        (_, more) => {
+            let path = path.display();
+            Err(format!("{path} holds {} recordings; diff takes one as A and one as B", more + 1)
+                .into())
+        }
+    }
 }
 
 /// The page about both.

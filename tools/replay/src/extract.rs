@@ -45,14 +45,15 @@ pub(crate) fn run(
     // Created only when there is something to write.
     let (mut writer, mut requests) = (None, 0);
     while let Some((record, _)) = messages.next() {
-        picked.learn(messages.free_spaces());
+        picked.learn(messages.asides());
         let Some(record) = picked.pick(record) else { continue };
         let writer = match &mut writer {
             Some(writer) => writer,
             empty => {
                 let description = messages.description();
                 let overwrite = *overwrite;
-                let options = Options { overwrite, description, ..Options::default() };
+                let compression = messages.compression();
+                let options = Options { overwrite, description, compression, ..Options::default() };
                 empty.insert(Writer::create(to, options)?)
             }
         };

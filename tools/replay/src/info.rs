@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, UNIX_EPOCH};
 
+use comparison::describe::counted;
 use comparison::exchanges::Contents;
 use serde_json::json;
 
@@ -37,9 +38,13 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         let duration = Duration::from_nanos(last - first);
         line("duration", humantime::format_duration(duration).to_string())?;
     }
-    line("requests", format!("{} from {} clients", contents.requests, contents.clients.len()))?;
-    line("replies", format!("{} whole, in {} parts", contents.exchanges, contents.parts))?;
-    line("lost", format!("{} messages in {} gaps", contents.lost(), gaps(contents)))?;
+    let clients = counted(contents.clients.len() as u64, "client");
+    line("requests", format!("{} from {clients}", contents.requests))?;
+    let parts = counted(contents.parts, "part");
+    line("replies", format!("{} whole, in {parts}", contents.exchanges))?;
+    let [lost, gaps] = [(contents.lost(), "message"), (gaps(contents), "gap")]
+        .map(|(count, what)| counted(count, what));
+    line("lost", format!("{lost} in {gaps}"))?;
     line("broken", format!("{} requests or replies", contents.losses.len()))?;
     line("checksums", contents.coverage.to_string())?;
     if let Some(beat) = contents.heartbeat.filter(|_| contents.summary.is_none()) {
@@ -54,7 +59,8 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         line("statuses", contents.statuses.to_string())?;
     }
     if contents.skipped > 0 {
-        line("others", format!("{} messages of other channels", contents.skipped))?;
+        let messages = counted(contents.skipped, "message");
+        line("others", format!("{messages} of other channels"))?;
     }
     Ok(())
 }

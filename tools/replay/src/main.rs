@@ -7,6 +7,7 @@ mod check;
 mod commands;
 mod copying;
 mod diff;
+mod export;
 mod extract;
 mod findings;
 mod html;

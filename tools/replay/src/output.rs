@@ -15,6 +15,12 @@ pub(crate) enum OutputError {
     Write { path: PathBuf, cause: io::Error },
 }
 
+impl OutputError {
+    pub(crate) fn write(path: &Path, cause: io::Error) -> Self {
+        Self::Write { path: path.to_owned(), cause }
+    }
+}
+
 /// Whether something is in the way of writing `path`, seen before the work begins.
 pub(crate) fn check(path: &Path, overwrite: bool, inputs: &[&Path]) -> Result<(), OutputError> {
     if let Ok(canonical) = fs::canonicalize(path)
@@ -29,17 +35,21 @@ pub(crate) fn check(path: &Path, overwrite: bool, inputs: &[&Path]) -> Result<()
     Ok(())
 }
 
-/// Writes a file.
-pub(crate) fn write(path: &Path, content: &str, overwrite: bool) -> Result<(), OutputError> {
-    let failed = |cause: io::Error| match cause.kind() {
-        io::ErrorKind::AlreadyExists => OutputError::Exists(path.to_owned()),
-        _ => OutputError::Write { path: path.to_owned(), cause },
-    };
+/// Creates a file.
+pub(crate) fn create(path: &Path, overwrite: bool) -> Result<File, OutputError> {
     let mut options = File::options();
     match overwrite {
         true => options.write(true).create(true).truncate(true),
         false => options.write(true).create_new(true),
     };
-    let mut file = options.open(path).map_err(failed)?;
-    file.write_all(content.as_bytes()).map_err(failed)
+    options.open(path).map_err(|cause| match cause.kind() {
+        io::ErrorKind::AlreadyExists => OutputError::Exists(path.to_owned()),
+        _ => OutputError::write(path, cause),
+    })
+}
+
+/// Writes a file.
+pub(crate) fn write(path: &Path, content: &str, overwrite: bool) -> Result<(), OutputError> {
+    let mut file = create(path, overwrite)?;
+    file.write_all(content.as_bytes()).map_err(|cause| OutputError::write(path, cause))
 }

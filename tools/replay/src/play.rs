@@ -9,6 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use bus::{CallError, Client, ConnectError};
+use comparison::describe::counted;
 use hdrhistogram::Histogram;
 use program::warn;
 use schemas::message::{RequestContent, SceneRequest};
@@ -94,7 +95,8 @@ pub(crate) fn run(
     let seen = seen.expect("there is a client at least");
     if let Some(failure) = &seen.failure {
         let failed = seen.failed;
-        warn(format_args!("replay: {failed} requests have no reply; the first: {failure}"));
+        let failed = counted(failed, "request");
+        warn(format_args!("replay: no reply to {failed}; the first: {failure}"));
         findings.failure = true;
     }
     // A loop ends no other way.
@@ -117,7 +119,8 @@ fn cues(arguments: &Play, findings: &mut Findings) -> Vec<Cue> {
     // What lacks its reply can be played all the same.
     findings.loss = false;
     if unreadable > 0 {
-        warn(format_args!("replay: {unreadable} requests are no scenes and are left out"));
+        let unreadable = counted(unreadable, "request");
+        warn(format_args!("replay: left out {unreadable} that can't be read as scenes"));
     }
     found.sort_by_key(|(index, ..)| *index);
     let first = found.iter().map(|(_, sent_ns, _)| *sent_ns).min().unwrap_or(0);
@@ -207,11 +210,11 @@ fn print(arguments: &Play, seen: &Seen, took: Duration, out: &mut impl Write) ->
     let per_second = replies as f64 / took.as_secs_f64();
     match arguments.format {
         Format::Text => {
-            let clients = arguments.clients;
+            let clients = counted(arguments.clients.get().into(), "client");
             let seconds = took.as_secs_f64();
             writeln!(
                 out,
-                "{replies} replies to {clients} clients in {seconds:.3} s ({per_second:.1} a second), \
+                "{replies} replies to {clients} in {seconds:.3} s ({per_second:.1} a second), \
                  {refused} refused, {failed} without reply"
             )?;
             if replies > 0 {

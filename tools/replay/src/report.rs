@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use comparison::check::Checked;
+use comparison::describe::counted;
 use comparison::exchanges::Contents;
 use comparison::report::CheckReport;
 use recording::Recovered;
@@ -31,7 +32,7 @@ pub(crate) fn troubles(contents: &Contents) -> impl Iterator<Item = String> {
 /// How many messages the recorder missed, if any.
 pub(crate) fn missed(contents: &Contents) -> Option<String> {
     let lost = contents.lost();
-    (lost > 0).then(|| format!("the recorder missed {lost} messages"))
+    (lost > 0).then(|| format!("the recorder missed {}", counted(lost, "message")))
 }
 
 /// How many messages a killed recorder knew of that are not in its file, if any.

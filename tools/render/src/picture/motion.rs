@@ -95,7 +95,7 @@ impl Course {
     }
 
     /// Where the body is at this arc length.
-    pub(super) fn placement(&self, at_length: f64) -> Option<Placement> {
+    pub fn placement(&self, at_length: f64) -> Option<Placement> {
         let mut left = finite(at_length).max(0.0);
         for piece in &self.pieces {
             if left <= piece.length && piece.length > 0.0 {

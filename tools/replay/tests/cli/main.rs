@@ -1,6 +1,7 @@
 //! The program on recordings whole, changed, incomplete, cut and damaged.
 
 mod check;
+mod export;
 mod page;
 mod recorded;
 mod rewrite;
@@ -164,6 +165,9 @@ fn wrong_arguments_are_a_usage_error() {
         "",
         "must be a number, 0 or greater",
     );
+    for option in [&["--domain", "x"], &["--wait", "1s"], &["--timeout", "1s"]] {
+        folder.check(&[&["check", "a.mcap"], &option[..]].concat(), 2, "", "--via-bus");
+    }
     folder.check(&["--help"], 0, "Exit codes:", "");
 }
 
@@ -306,8 +310,8 @@ fn wording_is_not_compared() {
     record("same.mcap", |_| {});
     record("reworded.mcap", |refusal| refusal.message = "in other words".into());
     record("field.mcap", |refusal| refusal.field = Some("body".into()));
-    folder.check(&["check", "same.mcap"], 0, "same.mcap: 1 requests, 1 equal\n", "");
-    let said = "reworded.mcap: 1 requests, 1 equal (1 worded differently)\n";
+    folder.check(&["check", "same.mcap"], 0, "same.mcap: 1 request, 1 equal\n", "");
+    let said = "reworded.mcap: 1 request, 1 equal (1 worded differently)\n";
     folder.check(&["check", "reworded.mcap"], 0, said, "");
     folder.check(&["check", "reworded.mcap", "--format", "json"], 0, "\"reworded\": 1,\n", "");
     let said = "1 equal (1 worded differently), 0 different";
@@ -329,9 +333,21 @@ fn a_recording_is_described() {
     folder.check(
         &["info", "a.mcap"],
         0,
-        "requests  3 from 1 clients\nreplies   3 whole, in 3 parts",
+        "requests  3 from 1 client\nreplies   3 whole, in 3 parts",
         "",
     );
+}
+
+#[test]
+fn what_is_no_file_is_not_described() {
+    let folder = Folder::new();
+    for format in ["text", "json"] {
+        let arguments = ["info", "none.mcap", "--format", format];
+        let (code, out, said) = folder.run(&arguments);
+        assert_eq!((code, out.as_str()), (1, ""));
+        assert!(said.starts_with("none.mcap: ") && said.contains("No such file"), "{said}");
+        assert_eq!(folder.run(&["info", ".", "--format", format]).1, "");
+    }
 }
 
 #[test]
