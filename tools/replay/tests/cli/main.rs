@@ -2,6 +2,7 @@
 
 mod check;
 mod export;
+mod mutations;
 mod page;
 mod recorded;
 mod rewrite;
