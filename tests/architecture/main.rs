@@ -96,6 +96,8 @@ fn dependencies_run_one_way() {
         ("peers", vec!["answer", "floor-plan", "schemas"]),
         ("integration-tests", [&SERVICES[..], &TOOLS, &["demo"]].concat()),
         ("soak", vec!["schemas", "answer", "bus", "program", "integration-tests"]),
+        // What users do with their recordings.
+        ("recordings-as-tests", vec!["schemas", "answer", "comparison", "configuration"]),
     ]
     .into();
     let depends = dependencies(|_| true);
