@@ -24,6 +24,7 @@ Examples:
   replay diff before.mcap after.mcap
   replay bless recordings/ --only moved
   replay extract run.mcap --failing -o failing.mcap
+  replay export run.mcap -o view.mcap   for Foxglove, Lichtblick, rerun
   replay recover killed.mcap.part -o whole.mcap
 ";
 
