@@ -9,7 +9,7 @@ use recording::{Compression, Message, Options, Writer};
 use schemas::message::ReplyPart;
 use sha2::{Digest, Sha256};
 
-use crate::python::python;
+use crate::independent::{node, python};
 use crate::read::recording;
 
 /// The largest a recording in the repository may be, bytes.
@@ -104,25 +104,6 @@ fn one_changed_bit_is_a_regression_that_says_where() {
     assert_eq!(tolerant.code, Some(0), "{tolerant:?}");
 }
 
-/// A folder with the packages `@mcap/core` and `@mcap/support` from npm, made once; none where they
-/// can't be had.
-fn node_packages() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("npm-mcap-2.2.2");
-    let packages =
-        ["@mcap/core", "@mcap/support"].map(|name| folder.join("node_modules").join(name));
-    if packages.iter().all(|package| package.join("package.json").exists()) {
-        return Some(folder);
-    }
-    std::fs::create_dir_all(&folder).ok()?;
-    std::fs::write(folder.join("package.json"), r#"{"private": true}"#).ok()?;
-    let done = Command::new("npm")
-        .args(["install", "--ignore-scripts", "--no-audit", "--no-fund", "--save-exact"])
-        .args(["@mcap/core@2.2.2", "@mcap/support@1.1.0"])
-        .current_dir(&folder)
-        .output();
-    done.is_ok_and(|done| done.status.success()).then_some(folder)
-}
-
 /// A program that reads recordings with nothing of ours, and what it takes before and after the
 /// file.
 struct Independent {
@@ -144,7 +125,7 @@ fn a_reader_in_python_sees_the_same() {
 
 #[test]
 fn a_reader_in_javascript_sees_the_same() {
-    match node_packages() {
+    match node() {
         Some(folder) => {
             let before = root().join("tests/system/read_mcap.mjs");
             check_reader(&Independent { program: "node".into(), before, after: vec![folder] });

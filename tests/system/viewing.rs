@@ -1,7 +1,7 @@
 //! `replay export`: independent readers see what was planned.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use comparison::exchanges::{self, Asked};
@@ -9,7 +9,7 @@ use integration_tests::{TestDomain, root};
 use schemas::message::{AxisBox, RequestContent, SceneRequest, Trajectory};
 use serde_json::{Value, json};
 
-use crate::python::{python, runs};
+use crate::independent::{node, python};
 
 fn golden(name: &str) -> PathBuf {
     root().join("recordings").join(name)
@@ -175,16 +175,4 @@ fn viewers_see_the_motions_that_were_planned() {
         (checked.code, checked.stdout.as_str()),
         (Some(0), "view.mcap: 6 requests, 6 equal\n")
     );
-}
-
-/// A folder with Node's packages for MCAP, made once; none where they can't be had.
-fn node() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("node-mcap");
-    std::fs::create_dir_all(&folder).ok()?;
-    let packages = ["@mcap/core@2.2.2", "@foxglove/schemas@2.1.0", "protobufjs@8.8.1"];
-    let there = folder.join("node_modules/protobufjs").exists();
-    let prefix = folder.to_str()?;
-    let install = ["install", "--silent", "--no-audit", "--no-fund", "--prefix", prefix];
-    let ready = there || runs(Path::new("npm"), &[&install[..], &packages].concat());
-    (ready && runs(Path::new("node"), &["--version"])).then_some(folder)
 }
