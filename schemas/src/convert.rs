@@ -12,6 +12,8 @@ mod request;
 mod scene;
 
 pub use cells::{CellWriter, Malformed};
-pub use reply::{Certificate, PartSink, Samples, TrajectoryWriter, read_part, write_refusal};
+pub use reply::{
+    Certificate, PartSink, Samples, TrajectoryWriter, read_part, read_part_in_place, write_refusal,
+};
 pub use request::{check_version, header_of, read_request, unreadable};
 pub use scene::{dimension, read_scene, write_scene};

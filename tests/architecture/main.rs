@@ -31,13 +31,14 @@ fn ours(package: &str) -> String {
     package.strip_prefix("clearway-").unwrap_or(package).to_owned()
 }
 
-const SERVICES: [&str; 10] = [
+const SERVICES: [&str; 11] = [
     "schemas",
     "planning",
     "answer",
     "configuration",
     "floor-plan",
     "bus",
+    "client",
     "recording",
     "comparison",
     "program",
@@ -52,6 +53,8 @@ fn dependencies_run_one_way() {
         ("planning", vec![]),
         ("schemas", vec![]),
         ("bus", vec!["schemas"]),
+        // What users build on; plans in its example.
+        ("client", vec!["bus", "schemas", "answer"]),
         ("recording", vec!["schemas"]),
         ("floor-plan", vec!["schemas"]),
         ("answer", vec!["planning", "schemas"]),

@@ -2,6 +2,7 @@
 //! domain of its own.
 
 mod bad_input;
+mod client;
 mod command_line;
 mod demo;
 mod domains;

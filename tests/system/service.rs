@@ -34,7 +34,7 @@ fn expected(key: RequestKey, scene: &SceneRequest) -> Reply {
 }
 
 /// Waits until the first part of a reply is there: the request is being planned.
-fn wait_until_begun(pending: &mut Pending<'_>) {
+fn wait_until_begun(pending: &mut Pending) {
     let part = pending.wait_part(Instant::now() + LONG).unwrap();
     assert!(part.content.is_ok(), "{:?}", part.content);
 }

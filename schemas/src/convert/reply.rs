@@ -4,7 +4,7 @@ use super::cells::{CellReader, CellWriter, Malformed};
 use super::codes;
 use crate::message::{
     AxisBox, Clearance, Curve, Direction, ErrorCode, Leg, Refusal, ReplyPart, RequestKey, Rule,
-    Rung, Trajectory, Vector,
+    Rung, Sample, Trajectory, Vector,
 };
 use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS, present, reported};
 
@@ -176,6 +176,18 @@ fn push_text(writer: &mut CellWriter, text: &str) {
 
 /// Reads one part of a reply from memory.
 pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malformed> {
+    let (mut part, samples) = read_part_in_place(header, cells)?;
+    if let Ok(trajectory) = &mut part.content {
+        trajectory.samples = samples.to_vec();
+    }
+    Ok(part)
+}
+
+/// The same but for the samples, which stay where they are: at the end of the cells.
+pub fn read_part_in_place<'a>(
+    header: &ReplyHeader,
+    cells: &'a [u64],
+) -> Result<(ReplyPart, &'a [Sample]), Malformed> {
     if header.version != wire::VERSION {
         let (code, greatest) = (header.version.into(), wire::VERSION.into());
         return Err(Malformed::UnknownCode { what: "version", code, greatest });
@@ -185,16 +197,19 @@ pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malfo
         return Err(Malformed::UnknownCode { what: "given", code, greatest });
     }
     let mut cells = CellReader::new(cells);
-    let content = match header.kind {
-        0 => Ok(read_trajectory(header, &mut cells)?),
-        1 => Err(read_refusal(header, &mut cells)?),
+    let (content, samples) = match header.kind {
+        0 => {
+            let (trajectory, samples) = read_trajectory(header, &mut cells)?;
+            (Ok(trajectory), samples)
+        }
+        1 => (Err(read_refusal(header, &mut cells)?), &[][..]),
         code => {
             let code = code.into();
             return Err(Malformed::UnknownCode { what: "kind", code, greatest: 1 });
         }
     };
     cells.end()?;
-    Ok(ReplyPart {
+    let part = ReplyPart {
         key: RequestKey { client: header.client, sequence: header.sequence },
         id: (header.given & reported::ID != 0).then_some(header.id),
         sent_ns: header.sent_ns,
@@ -203,10 +218,15 @@ pub fn read_part(header: &ReplyHeader, cells: &[u64]) -> Result<ReplyPart, Malfo
         answer: header.answer,
         answers: header.answers,
         content,
-    })
+    };
+    Ok((part, samples))
 }
 
-fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Trajectory, Malformed> {
+/// A trajectory without its samples, and these.
+fn read_trajectory<'a>(
+    header: &ReplyHeader,
+    cells: &mut CellReader<'a>,
+) -> Result<(Trajectory, &'a [Sample]), Malformed> {
     let dimension = header.dimension as usize;
     if !(2..=3).contains(&dimension) {
         let code = dimension as u64;
@@ -223,7 +243,7 @@ fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Traje
         let (min, max) = bytemuck::cast_slice(cells).split_at(dimension);
         AxisBox { min: point(min), max: point(max) }
     });
-    Ok(Trajectory {
+    let trajectory = Trajectory {
         dimension: header.dimension,
         gaps_per_junction: header.gaps_per_junction,
         exit: read_exit(header.exit)?,
@@ -246,8 +266,9 @@ fn read_trajectory(header: &ReplyHeader, cells: &mut CellReader) -> Result<Traje
                 read_leg(&bytemuck::pod_read_unaligned(bytemuck::cast_slice(cells)), point)
             })
             .collect::<Result<_, _>>()?,
-        samples: bytemuck::cast_slice(samples).to_vec(),
-    })
+        samples: Vec::new(),
+    };
+    Ok((trajectory, bytemuck::cast_slice(samples)))
 }
 
 fn read_exit(exit: u32) -> Result<Option<Direction>, Malformed> {

@@ -1,18 +1,23 @@
 //! A client's side: ask, and take the reply part by part.
 
-use std::cell::{Cell, RefCell};
-use std::os::fd::AsFd;
+mod loan;
+mod pending;
+
+pub use loan::Loan;
+pub use pending::Pending;
+
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::RequestSendError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::prelude::{AllocationStrategy, CallbackProgression, PortFactory, PortName, ipc};
-use schemas::convert;
-use schemas::message::{
-    ErrorCode, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey, SceneRequest,
+use iceoryx2::prelude::{
+    AllocationStrategy, CallbackProgression, PortFactory, PortName, ipc_threadsafe,
 };
+use schemas::convert;
+use schemas::message::{ErrorCode, Refusal, Reply, RequestKey, SceneRequest};
 use schemas::wire;
 
 use crate::cause::Cause;
@@ -20,16 +25,19 @@ use crate::clock::now_ns;
 use crate::connect;
 use crate::domain::Domain;
 use crate::error::{CallError, ConnectError};
+use crate::fork::OwnedHere;
 use crate::headers::{Current, ReplyHeader, RequestHeader, UserHeader};
 use crate::member::Member;
 use crate::memory;
 use crate::ports;
 use crate::presence::Visitor;
 use crate::process::Process;
-use crate::wait::{self, Wait, Woken};
+use crate::wait::{self, Wait};
+use loan::Response;
 
-type Port = iceoryx2::port::client::Client<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
-type Awaited = PendingResponse<ipc::Service, [u64], RequestHeader, [u64], ReplyHeader>;
+/// Clients, and what they lend, may go from thread to thread.
+type Shared = ipc_threadsafe::Service;
+type Port = iceoryx2::port::client::Client<Shared, [u64], RequestHeader, [u64], ReplyHeader>;
 
 /// How long a planner that ends takes from its last reply to its end, mostly.
 const ENDING: Duration = Duration::from_millis(50);
@@ -64,25 +72,37 @@ const FIRST_IDS: u64 = 1024;
 /// println!("{}", json::reply_to_json(&reply));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// It can be used by several threads; while one waits for a reply, though, another can miss a
+/// wake-up and look up to [`wait::NET`] too late. For speed, give each thread a client of its own.
 #[derive(Debug)]
 pub struct Client {
+    connection: Arc<OwnedHere<Connection>>,
+}
+
+/// What a client shares with its requests.
+#[derive(Debug)]
+struct Connection {
     port: Port,
     /// Requests that the planner lets it have open.
     most_open: usize,
-    ringer: Notifier<ipc::Service>,
-    wake: ports::Bell,
+    /// Parts of replies that it can keep.
+    most_loans: usize,
+    loans: Arc<AtomicUsize>,
+    ringer: Notifier<Shared>,
+    wake: ports::Bell<Shared>,
     /// None if this client polls.
-    bell: Option<Listener<ipc::Service>>,
+    bell: Option<Listener<Shared>>,
     how: Wait,
     nonce: u64,
-    sequence: Cell<u64>,
-    cells: RefCell<Vec<u64>>,
+    sequence: AtomicU64,
+    cells: Mutex<Vec<u64>>,
     /// Whether a request was dropped that the planner may not have taken yet.
-    dropped: Cell<bool>,
-    plan: ports::Plan<Current>,
+    dropped: AtomicBool,
+    plan: ports::Plan<Current, Shared>,
     /// The planner's process, if it can be watched.
-    planner: RefCell<Option<Process>>,
-    node: Member,
+    planner: Mutex<Option<Arc<Process>>>,
+    node: Arc<OwnedHere<Member<Shared>>>,
 }
 
 impl Client {
@@ -123,18 +143,18 @@ impl Client {
     }
 
     fn connect_as(domain: &Domain, how: Wait, nonce: u64) -> Result<Self, ConnectError> {
-        let node = domain.join(Visitor::CLIENT)?;
+        let node = domain.join_with::<Shared>(Visitor::CLIENT)?;
         let failed = |cause| connect::failed(&node, domain, connect::REQUESTS, cause);
-        let plan = ports::open_plan::<Current>(&node).map_err(failed)?;
+        let plan = ports::open_plan::<Current, _>(&node).map_err(failed)?;
         let wake = ports::open_wake(&node).map_err(failed)?;
         let answered = ports::open_answered(&node).map_err(failed)?;
         if plan.dynamic_config().number_of_servers() == 0 {
             return Err(failed(Cause::Absent));
         }
-        let (most_clients, most_open) = {
-            let settings = plan.static_config();
-            (settings.max_clients(), settings.max_active_requests_per_client())
-        };
+        let settings = plan.static_config();
+        let (most_clients, most_open) =
+            (settings.max_clients(), settings.max_active_requests_per_client());
+        let most_loans = ports::kept(settings.max_borrowed_responses_per_pending_response());
         let full = |cause| match cause {
             Cause::Full => connect::full(domain, connect::CLIENTS, most_clients),
             cause => failed(cause),
@@ -165,28 +185,37 @@ impl Client {
                     .map_err(|error| full(error.into()))?,
             ),
         };
-        Ok(Self {
+        let connection = Connection {
             port,
             most_open,
+            most_loans,
+            loans: Arc::default(),
             ringer,
             wake,
             bell,
             how,
             nonce,
-            sequence: Cell::new(0),
-            cells: RefCell::default(),
-            dropped: Cell::new(false),
-            planner: RefCell::new(planner_of(&plan)),
+            sequence: AtomicU64::new(0),
+            cells: Mutex::default(),
+            dropped: AtomicBool::new(false),
+            planner: Mutex::new(planner_of(&plan).map(Arc::new)),
             plan,
-            node,
-        })
+            node: Arc::new(OwnedHere::new(node)),
+        };
+        Ok(Self { connection: Arc::new(OwnedHere::new(connection)) })
+    }
+
+    /// How many [`Loan`]s this client can keep at a time.
+    pub fn most_loans(&self) -> usize {
+        self.connection.most_loans
     }
 
     /// Sends a request. The planner limits how many can be open at a time.
-    pub fn send(&self, scene: &SceneRequest) -> Result<Pending<'_>, CallError> {
-        let mut cells = self.cells.borrow_mut();
+    pub fn send(&self, scene: &SceneRequest) -> Result<Pending, CallError> {
+        self.connection.check_here()?;
+        let mut cells = lock(&self.connection.cells);
         cells.clear();
-        let header = convert::write_scene(scene, self.next_key(), now_ns(), &mut cells)
+        let header = convert::write_scene(scene, RequestKey::default(), now_ns(), &mut cells)
             .map_err(CallError::Scene)?;
         self.send_cells(header, &cells)
     }
@@ -197,62 +226,31 @@ impl Client {
         &self,
         mut header: wire::RequestHeader,
         cells: &[u64],
-    ) -> Result<Pending<'_>, CallError> {
-        let key = self.next_key();
-        self.sequence.set(key.sequence + 1);
+    ) -> Result<Pending, CallError> {
+        self.connection.check_here()?;
+        let Connection { port, bell, nonce, most_open, .. } = &**self.connection;
+        let sequence = self.connection.sequence.fetch_add(1, Ordering::Relaxed);
+        let key = RequestKey { client: *nonce, sequence };
         (header.client, header.sequence) = (key.client, key.sequence);
-        header.wake = self.bell.is_some().into();
+        header.wake = bell.is_some().into();
         let is_large = cells.len() > SURE;
         if is_large {
             memory::check_room(memory::MANAGEMENT + size_of_val(cells) as u64)?;
         }
-        let mut request = self
-            .port
-            .loan_slice_uninit(cells.len())
-            .map_err(|error| CallError::Send(error.into()))?;
+        let mut request =
+            port.loan_slice_uninit(cells.len()).map_err(|error| CallError::Send(error.into()))?;
         if is_large {
             memory::take_slice(request.payload_mut())?;
         }
         request.user_header_mut().set(header);
         let awaited = request.write_from_slice(cells).send().map_err(|error| match error {
             RequestSendError::ExceedsMaxActiveRequests => {
-                CallError::TooManyRequests { most: self.most_open }
+                CallError::TooManyRequests { most: *most_open }
             }
             error => CallError::Send(error.into()),
         })?;
-        self.ring();
-        Ok(Pending { awaited, key, client: self, has_last: Cell::new(false) })
-    }
-
-    /// Wakes the planner if it sleeps.
-    fn ring(&self) {
-        if self.wake.dynamic_config().number_of_listeners() > 0
-            && let Err(error) = self.ringer.notify()
-        {
-            // The request is sent; a sleeping planner looks before long.
-            tracing::debug!(?error, "can't ring");
-        }
-    }
-
-    /// Why a reply ends before it is whole.
-    fn lost(&self) -> CallError {
-        let is_gone = || {
-            let has_ended = self.planner.borrow().as_ref().is_some_and(Process::has_ended);
-            has_ended || self.plan.dynamic_config().number_of_servers() == 0
-        };
-        // One that ends gives up what it has first.
-        let until = Instant::now() + ENDING;
-        while !is_gone() {
-            if Instant::now() >= until {
-                return CallError::GivenUp;
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        CallError::PlannerLost
-    }
-
-    fn next_key(&self) -> RequestKey {
-        RequestKey { client: self.nonce, sequence: self.sequence.get() }
+        self.connection.ring();
+        Ok(Pending::new(awaited, key, &self.connection))
     }
 
     /// Sends a request and waits for the whole reply.
@@ -288,12 +286,63 @@ impl Client {
     }
 }
 
-impl Drop for Client {
+impl OwnedHere<Connection> {
+    /// Fails in a process forked from the one that connected.
+    fn check_here(&self) -> Result<(), CallError> {
+        if self.is_copy() { Err(CallError::Forked) } else { Ok(()) }
+    }
+}
+
+impl Connection {
+    /// Wakes the planner if it sleeps.
+    fn ring(&self) {
+        if self.wake.dynamic_config().number_of_listeners() > 0
+            && let Err(error) = self.ringer.notify()
+        {
+            // The request is sent; a sleeping planner looks before long.
+            tracing::debug!(?error, "can't ring");
+        }
+    }
+
+    fn planner(&self) -> Option<Arc<Process>> {
+        lock(&self.planner).clone()
+    }
+
+    fn set_planner(&self, planner: Option<Process>) {
+        *lock(&self.planner) = planner.map(Arc::new);
+    }
+
+    fn has_planner_ended(&self) -> bool {
+        self.planner().is_some_and(|planner| planner.has_ended())
+    }
+
+    /// A request was dropped before its reply was whole.
+    fn note_dropped(&self) {
+        self.dropped.store(true, Ordering::Relaxed);
+    }
+
+    /// Why a reply ends before it is whole.
+    fn lost(&self) -> CallError {
+        let is_gone =
+            || self.has_planner_ended() || self.plan.dynamic_config().number_of_servers() == 0;
+        // One that ends gives up what it has first.
+        let until = Instant::now() + ENDING;
+        while !is_gone() {
+            if Instant::now() >= until {
+                return CallError::GivenUp;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        CallError::PlannerLost
+    }
+}
+
+impl Drop for Connection {
     /// Leaves when the planner has taken what was sent and dropped, if it does so soon. Requests
     /// of a client that is gone keep its memory mapped in the planner for good, by a fault of
     /// iceoryx2 0.10.
     fn drop(&mut self) {
-        if !self.dropped.get() {
+        if !self.dropped.load(Ordering::Relaxed) {
             return;
         }
         let Ok(mut request) = self.port.loan_slice_uninit(0) else { return };
@@ -302,140 +351,25 @@ impl Drop for Client {
         let Ok(farewell) = request.write_from_slice(&[]).send() else { return };
         self.ring();
         let until = Instant::now() + FAREWELL;
-        let has_ended = || self.planner.borrow().as_ref().is_some_and(Process::has_ended);
-        while farewell.is_connected() && Instant::now() < until && !has_ended() {
+        while farewell.is_connected() && Instant::now() < until && !self.has_planner_ended() {
             std::thread::sleep(Duration::from_micros(200));
         }
     }
 }
 
+/// What is locked here is whole at any time.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The process of the planner that serves these requests.
-fn planner_of(plan: &ports::Plan<Current>) -> Option<Process> {
+fn planner_of(plan: &ports::Plan<Current, Shared>) -> Option<Process> {
     let mut node = None;
     plan.dynamic_config().list_servers(|server| {
         node = Some(server.node_id);
         CallbackProgression::Continue
     });
     Process::of(node?)
-}
-
-/// A request being answered. Dropping it stops the planner from planning and sending.
-#[derive(Debug)]
-pub struct Pending<'a> {
-    awaited: Awaited,
-    key: RequestKey,
-    client: &'a Client,
-    /// Whether the last part of the reply has come.
-    has_last: Cell<bool>,
-}
-
-impl Pending<'_> {
-    /// The request's key.
-    pub fn key(&self) -> RequestKey {
-        self.key
-    }
-
-    /// The next part of the reply where it lies in shared memory, if one is there: `take`
-    /// sees its header and payload. Parts of other replies are dropped.
-    pub fn receive<T>(
-        &self,
-        mut take: impl FnMut(&wire::ReplyHeader, &[u64]) -> T,
-    ) -> Result<Option<T>, CallError> {
-        // Ask before looking: only "nothing there, and was not connected" means gone.
-        let connected = self.awaited.is_connected();
-        loop {
-            match self.awaited.receive() {
-                Ok(Some(part)) => {
-                    let header = part.user_header().plain();
-                    if self.accept(header) {
-                        self.has_last.set(header.last != 0);
-                        return Ok(Some(take(header, part.payload())));
-                    }
-                    tracing::debug!(
-                        client = header.client,
-                        sequence = header.sequence,
-                        "dropped a reply to another client"
-                    );
-                }
-                Ok(None) if connected => return Ok(None),
-                Ok(None) => return Err(self.client.lost()),
-                Err(error) => return Err(CallError::Receive(error.into())),
-            }
-        }
-    }
-
-    /// Whether a part answers this request.
-    fn accept(&self, header: &wire::ReplyHeader) -> bool {
-        self.key == RequestKey { client: header.client, sequence: header.sequence }
-    }
-
-    /// Waits for the next part, at most until `until`.
-    pub fn wait_part(&mut self, until: Instant) -> Result<ReplyPart, CallError> {
-        let begin = Instant::now();
-        loop {
-            if let Some(part) = self.receive(convert::read_part)? {
-                return Ok(part?);
-            }
-            let now = Instant::now();
-            if now >= until {
-                // A planner that was killed counts as connected until it is cleared away.
-                self.client.node.sweep();
-                if !self.awaited.is_connected() {
-                    return Err(self.client.lost());
-                }
-                let waited = now - begin;
-                return Err(CallError::TimedOut { waited, limit: until - begin });
-            }
-            let Client { bell, how, planner, plan, node, .. } = self.client;
-            let process = planner.borrow();
-            let others = process.iter().map(AsFd::as_fd);
-            let has_response = || self.awaited.has_response();
-            let woken = wait::wait(*how, (bell.as_ref(), others), Some(until), has_response);
-            if woken == Woken::Terminate {
-                return Err(CallError::Interrupted);
-            }
-            if has_response() {
-                continue;
-            }
-            let has_ended = process.as_ref().is_some_and(Process::has_ended);
-            drop(process);
-            if has_ended || now.elapsed() >= wait::NET {
-                node.sweep();
-            }
-            if has_ended && self.awaited.is_connected() {
-                // Another serves this request, or somebody else is clearing the dead one away.
-                planner.replace(planner_of(plan));
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        }
-    }
-
-    /// Waits for the whole reply, at most until `until`.
-    pub fn wait(&mut self, until: Instant) -> Result<Reply, CallError> {
-        self.wait_for_all(until, &mut 0)
-    }
-
-    /// The same, and counts the parts.
-    fn wait_for_all(&mut self, until: Instant, parts: &mut usize) -> Result<Reply, CallError> {
-        let mut assembler = ReplyAssembler::default();
-        loop {
-            let part = self.wait_part(until)?;
-            *parts += 1;
-            if let Some(reply) = assembler.push(part)? {
-                return Ok(reply);
-            }
-        }
-    }
-}
-
-impl Drop for Pending<'_> {
-    fn drop(&mut self) {
-        // The next request in this place needs the room.
-        while let Ok(Some(_)) = self.awaited.receive() {}
-        if !self.has_last.get() {
-            self.client.dropped.set(true);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Why a client or recorder finds no planner.
 
-use iceoryx2::prelude::{Node, PortFactory, ipc};
+use iceoryx2::prelude::{Node, PortFactory};
+use iceoryx2::service::Service;
 use schemas::wire::{self, previous};
 
 use crate::cause::Cause;
@@ -26,8 +27,8 @@ pub(crate) fn full(domain: &Domain, (who, setting): Place, most: usize) -> Conne
 }
 
 /// Why `what` of the current version could not be opened.
-pub(crate) fn failed(
-    node: &Node<ipc::Service>,
+pub(crate) fn failed<S: Service>(
+    node: &Node<S>,
     domain: &Domain,
     what: &'static str,
     cause: Cause,
@@ -37,7 +38,7 @@ pub(crate) fn failed(
         // A planner that starts, stops or was killed leaves its service in any of these.
         Cause::Absent | Cause::InFlux | Cause::Damaged => {
             // One that was just starting has opened the current version first, meanwhile.
-            let is_older = serves::<Previous>(node) && !serves::<Current>(node);
+            let is_older = serves::<Previous, S>(node) && !serves::<Current, S>(node);
             match is_older {
                 true => ConnectError::OlderPlanner { domain, planner: previous::VERSION },
                 false => ConnectError::NoPlanner { domain },
@@ -49,6 +50,6 @@ pub(crate) fn failed(
 }
 
 /// Whether a planner serves a version.
-fn serves<V: Version>(node: &Node<ipc::Service>) -> bool {
-    ports::open_plan::<V>(node).is_ok_and(|plan| plan.dynamic_config().number_of_servers() > 0)
+fn serves<V: Version, S: Service>(node: &Node<S>) -> bool {
+    ports::open_plan::<V, S>(node).is_ok_and(|plan| plan.dynamic_config().number_of_servers() > 0)
 }

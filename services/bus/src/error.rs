@@ -152,6 +152,9 @@ pub enum CallError {
     /// SIGINT, SIGTERM or SIGHUP came.
     #[error("interrupted")]
     Interrupted,
+    /// The client was connected by a process of which this is a fork.
+    #[error("forked: this client was connected before the process was forked; connect another")]
+    Forked,
 }
 
 /// Why the planner's side can't be opened.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use iceoryx2::prelude::{Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
+use iceoryx2::service::Service;
 
 use crate::cause::Cause;
 use crate::domain::{Domain, DomainError};
@@ -26,9 +27,9 @@ const LEAVING: Duration = Duration::from_secs(1);
 /// This program as a member of a domain. Dropping it leaves the domain; whoever leaves last
 /// removes all its files.
 #[derive(Debug)]
-pub(crate) struct Member {
+pub(crate) struct Member<S: Service = ipc::Service> {
     // Dropped in this order.
-    node: Node<ipc::Service>,
+    node: Node<S>,
     stay: Stay,
 }
 
@@ -41,7 +42,7 @@ struct Stay {
     _kept: File,
 }
 
-impl Member {
+impl<S: Service> Member<S> {
     /// The directory of the domain.
     pub(crate) fn directory(&self) -> PathBuf {
         self.stay.site.directory()
@@ -72,8 +73,8 @@ impl Member {
     }
 }
 
-impl Deref for Member {
-    type Target = Node<ipc::Service>;
+impl<S: Service> Deref for Member<S> {
+    type Target = Node<S>;
 
     fn deref(&self) -> &Self::Target {
         &self.node
@@ -90,6 +91,14 @@ impl Drop for Stay {
 impl Domain {
     /// Joins this domain as `role`, after clearing away what died in it.
     pub(crate) fn join(&self, role: &'static str) -> Result<Member, DomainError> {
+        self.join_with(role)
+    }
+
+    /// The same with ports of another kind.
+    pub(crate) fn join_with<S: Service>(
+        &self,
+        role: &'static str,
+    ) -> Result<Member<S>, DomainError> {
         log::forward_to_tracing();
         let failed = |cause: String| DomainError::Join { domain: self.clone(), cause };
         wait::handle_signals().map_err(failed)?;
@@ -98,7 +107,7 @@ impl Domain {
             .name(&NodeName::new(role).expect("roles are short"))
             .config(&stay.site.config())
             .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
+            .create::<S>()
             .map_err(|error| failed(Cause::from(error).to_string()))?;
         Ok(Member { node, stay })
     }

@@ -7,6 +7,7 @@ use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ServiceName, ipc};
+use iceoryx2::service::Service;
 use iceoryx2::service::port_factory::server::ServerCreateError;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use schemas::{topic, wire};
@@ -16,19 +17,14 @@ use crate::headers::{TapHeader, Version};
 use crate::options::ServerOptions;
 
 /// The planning service in a version of the messages, and its ends.
-pub(crate) type Plan<V> = request_response::PortFactory<
-    ipc::Service,
-    [u64],
-    <V as Version>::Request,
-    [u64],
-    <V as Version>::Reply,
->;
+pub(crate) type Plan<V, S = ipc::Service> =
+    request_response::PortFactory<S, [u64], <V as Version>::Request, [u64], <V as Version>::Reply>;
 pub(crate) type PlanServer<V> =
     Server<ipc::Service, [u64], <V as Version>::Request, [u64], <V as Version>::Reply>;
 pub(crate) type PlanRequest<V> =
     ActiveRequest<ipc::Service, [u64], <V as Version>::Request, [u64], <V as Version>::Reply>;
 pub(crate) type Tap = publish_subscribe::PortFactory<ipc::Service, [u64], TapHeader>;
-pub(crate) type Bell = event::PortFactory<ipc::Service>;
+pub(crate) type Bell<S = ipc::Service> = event::PortFactory<S>;
 
 fn name(name: &str) -> ServiceName {
     ServiceName::new(name).expect("topic names are valid")
@@ -37,8 +33,18 @@ fn name(name: &str) -> ServiceName {
 /// Parts of one reply that wait in shared memory for the client to take them.
 pub(crate) const REPLY_BUFFER: usize = 4;
 
-/// Parts of one reply that a client holds at a time.
-const BORROWED: usize = 2;
+/// Parts of one reply that a client holds at a time: those it keeps where they lie, and the one
+/// that it takes next.
+const BORROWED: usize = 8;
+
+/// For so many of those there is memory from the start, which is enough for clients that keep
+/// [`kept`] parts, of all their replies together. A part that finds none waits.
+const HELD: usize = 2;
+
+/// Parts of replies that a client of this planner can keep, with room to take others.
+pub(crate) const fn kept(borrowed: usize) -> usize {
+    borrowed.saturating_sub(1)
+}
 
 /// Parts of one reply that the planner writes at a time.
 const LOANED: usize = 1;
@@ -68,7 +74,7 @@ pub(crate) fn create_plan<V: Version>(
         .max_borrowed_responses_per_pending_response(BORROWED)
         .open_or_create()
         .map_err(Cause::from);
-    or_as_it_is(created, || open_plan::<V>(node))
+    or_as_it_is(created, || open_plan::<V, _>(node))
 }
 
 /// A service that programs still have open, from a planner with smaller settings, is served as it
@@ -89,7 +95,7 @@ fn or_as_it_is<T>(
     }
 }
 
-pub(crate) fn open_plan<V: Version>(node: &Node<ipc::Service>) -> Result<Plan<V>, Cause> {
+pub(crate) fn open_plan<V: Version, S: Service>(node: &Node<S>) -> Result<Plan<V, S>, Cause> {
     node.service_builder(&name(V::PLAN))
         .request_response::<[u64], [u64]>()
         .request_user_header::<V::Request>()
@@ -203,19 +209,24 @@ fn bell(
     or_as_it_is(created, open)
 }
 
-pub(crate) fn open_wake(node: &Node<ipc::Service>) -> Result<Bell, Cause> {
+pub(crate) fn open_wake<S: Service>(node: &Node<S>) -> Result<Bell<S>, Cause> {
     node.service_builder(&name(topic::WAKE)).event().open().map_err(Cause::from)
 }
 
-pub(crate) fn open_answered(node: &Node<ipc::Service>) -> Result<Bell, Cause> {
+pub(crate) fn open_answered<S: Service>(node: &Node<S>) -> Result<Bell<S>, Cause> {
     node.service_builder(&name(topic::ANSWERED)).event().open().map_err(Cause::from)
+}
+
+/// Reply parts in memory: `all` counts those that clients could hold.
+pub(crate) fn current_parts(all: usize) -> usize {
+    all / (REPLY_BUFFER + BORROWED + LOANED) * (REPLY_BUFFER + HELD + LOANED)
 }
 
 /// Reply parts in memory for clients of the previous version: as all of them share the
 /// places of `max_clients` with those of the current one, an eighth of what they could
 /// hold, and always what one client can. A part that finds none waits.
 pub(crate) fn previous_parts(all: usize) -> usize {
-    (all / 8).max(REPLY_BUFFER + BORROWED + LOANED)
+    (current_parts(all) / 8).max(REPLY_BUFFER + BORROWED + LOANED)
 }
 
 /// The most shared memory that the planner's side can come to use, bytes: every buffer full
@@ -228,7 +239,8 @@ pub fn most_memory(options: &ServerOptions) -> u64 {
     let tap_messages =
         options.max_recorders.saturating_mul(options.tap_buffer.saturating_add(TAP_BORROWED)) + 1;
     let message = (wire::PART_CELLS * 8 + 512) as u64;
-    let messages = parts.saturating_add(previous_parts(parts)).saturating_add(tap_messages);
+    let messages =
+        current_parts(parts).saturating_add(previous_parts(parts)).saturating_add(tap_messages);
     let statuses = (2 * WATCHERS + 2) * (STATUS_BYTES + 512);
     (messages as u64).saturating_mul(message).saturating_add(statuses as u64)
 }

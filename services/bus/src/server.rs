@@ -104,7 +104,7 @@ impl Server {
         let patience = Instant::now() + TAKE_OVER;
         // The memory of one that has just died comes free.
         while let Err(shortage) = memory::check_room(ports::most_memory(options)) {
-            if ports::open_plan::<Current>(&node).is_ok_and(|plan| is_served(&plan)) {
+            if ports::open_plan::<Current, _>(&node).is_ok_and(|plan| is_served(&plan)) {
                 return Err(OpenError::AnotherPlanner(domain.clone()));
             }
             if Instant::now() >= patience {
@@ -136,7 +136,7 @@ impl Server {
             error => failed(REQUESTS)(error.into()),
         };
         let current = loop {
-            match ports::create_plan_server::<Current>(&current_plan, |all| all) {
+            match ports::create_plan_server::<Current>(&current_plan, ports::current_parts) {
                 // The one before may be dying just now.
                 Err(ServerCreateError::ExceedsMaxSupportedServers) if Instant::now() < patience => {
                     std::thread::sleep(Duration::from_millis(5));

@@ -1,13 +1,14 @@
 //! Waiting for the other side: spinning, sleeping, or both.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use std::os::fd::{AsFd, BorrowedFd};
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{FileDescriptorBased, ipc};
+use iceoryx2::prelude::FileDescriptorBased;
+use iceoryx2::service::Service;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
@@ -47,12 +48,15 @@ pub enum Woken {
 /// `until`, at most [`NET`].
 ///
 /// A poller has no bell, so the other side rings none.
-pub(crate) fn wait<'a>(
+pub(crate) fn wait<'a, S: Service>(
     how: Wait,
-    (bell, others): (Option<&Listener<ipc::Service>>, impl Iterator<Item = BorrowedFd<'a>>),
+    (bell, others): (Option<&Listener<S>>, impl Iterator<Item = BorrowedFd<'a>>),
     until: Option<Instant>,
     mut ready: impl FnMut() -> bool,
-) -> Woken {
+) -> Woken
+where
+    Listener<S>: FileDescriptorBased,
+{
     let spin = match how {
         Wait::Event => Duration::ZERO,
         Wait::Hybrid => SPIN,
@@ -95,11 +99,14 @@ enum Ended {
 ///
 /// The bell is silenced *before* the last look, so whoever rings afterwards wakes the
 /// sleeper. In the other order, what came between look and silence would be missed.
-fn sleep(
-    (bell, others): (&Listener<ipc::Service>, &[BorrowedFd<'_>]),
+fn sleep<S: Service>(
+    (bell, others): (&Listener<S>, &[BorrowedFd<'_>]),
     end: Instant,
     mut ready: impl FnMut() -> bool,
-) -> Ended {
+) -> Ended
+where
+    Listener<S>: FileDescriptorBased,
+{
     silence(bell);
     for most in [NAP, NET] {
         if ready() {
@@ -128,7 +135,10 @@ pub(crate) fn sleep_for(source: impl AsFd, most: Duration) {
 }
 
 /// Whether the bell rang or one of `others` can be read, before the time was over.
-fn sleep_for_any(bell: &Listener<ipc::Service>, others: &[BorrowedFd<'_>], most: Duration) -> bool {
+fn sleep_for_any<S: Service>(bell: &Listener<S>, others: &[BorrowedFd<'_>], most: Duration) -> bool
+where
+    Listener<S>: FileDescriptorBased,
+{
     #[expect(unsafe_code, reason = "iceoryx2 lends its file descriptor as a number only")]
     // SAFETY: it stays open as long as the listener, which is borrowed here.
     let bell = unsafe { BorrowedFd::borrow_raw(bell.file_descriptor().native_handle()) };
@@ -145,7 +155,7 @@ fn sleep_for_any(bell: &Listener<ipc::Service>, others: &[BorrowedFd<'_>], most:
 /// One round is not enough: a notifier's ring can be taken up together with another's
 /// before the notifier has marked the bell as rung. The bell then counts as rung, nobody
 /// rings it again, and whoever only listens for rings sleeps on.
-fn silence(bell: &Listener<ipc::Service>) {
+pub(crate) fn silence<S: Service>(bell: &Listener<S>) {
     while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}
 }
 
@@ -178,7 +188,18 @@ fn is_ignored(signal: i32) -> bool {
 /// that ports are dropped and leave nothing behind in shared memory. A SIGHUP that was
 /// ignored from the start, as under `nohup`, stays ignored.
 pub(crate) fn handle_signals() -> Result<(), String> {
+    if LEFT_ALONE.load(Ordering::Relaxed) {
+        return Ok(());
+    }
     TERMINATED.as_ref().map(|_| ()).map_err(Clone::clone)
+}
+
+static LEFT_ALONE: AtomicBool = AtomicBool::new(false);
+
+/// Leaves signals to the program, which is for libraries to call before they join a domain.
+/// [`terminated`] is never true from then on.
+pub fn leave_signals_alone() {
+    LEFT_ALONE.store(true, Ordering::Relaxed);
 }
 
 /// Whether SIGINT, SIGTERM or SIGHUP has asked to end since this process first joined a
@@ -189,6 +210,9 @@ pub fn terminated() -> bool {
 
 /// The number of the signal that [`terminated`] is about, the last if there were several.
 pub fn termination_signal() -> Option<i32> {
+    if LEFT_ALONE.load(Ordering::Relaxed) {
+        return None;
+    }
     let last = TERMINATED.as_ref().map_or(0, |last| last.load(Ordering::Relaxed));
     (last != 0).then_some(last as i32)
 }

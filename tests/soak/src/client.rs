@@ -108,7 +108,7 @@ impl Asking<'_> {
     fn send(
         &mut self,
         scene: &SceneRequest,
-        then: impl FnOnce(&mut Pending<'_>, &mut Rng) -> Event,
+        then: impl FnOnce(&mut Pending, &mut Rng) -> Event,
     ) -> Result<(), Box<dyn Error>> {
         *self.sent += 1;
         let number = *self.sent;

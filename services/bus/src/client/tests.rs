@@ -31,7 +31,7 @@ fn answer(incoming: &mut Incoming) -> Result<(), ReplyError> {
     convert::write_refusal(&refusal, &mut header, true, &mut incoming.reply())
 }
 
-fn ask(client: &Client) -> Pending<'_> {
+fn ask(client: &Client) -> Pending {
     client.send_cells(wire::RequestHeader::default(), &[]).unwrap()
 }
 

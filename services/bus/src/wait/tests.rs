@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use iceoryx2::prelude::ipc;
 use signal_hook::consts::SIGUSR1;
 
 use super::*;
@@ -175,6 +176,9 @@ fn without_silencing_wake_ups_are_slept_over() {
 fn a_wait_ends_with_its_limit() {
     let begin = Instant::now();
     for how in [Wait::Event, Wait::Hybrid, Wait::Poll] {
-        assert_eq!(wait(how, (None, std::iter::empty()), Some(begin), || false), Woken::Look);
+        assert_eq!(
+            wait(how, (None::<&Listener<ipc::Service>>, std::iter::empty()), Some(begin), || false),
+            Woken::Look
+        );
     }
 }
