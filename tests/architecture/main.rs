@@ -55,6 +55,8 @@ fn dependencies_run_one_way() {
         ("bus", vec!["schemas"]),
         // What users build on; plans in its example.
         ("client", vec!["bus", "schemas", "answer"]),
+        // The same in other languages.
+        ("python", vec!["client", "recording", "schemas"]),
         ("recording", vec!["schemas"]),
         ("floor-plan", vec!["schemas"]),
         ("answer", vec!["planning", "schemas"]),

@@ -64,6 +64,22 @@ fn every_scene_is_answered_as_without_a_bus() {
 }
 
 #[test]
+fn long_replies_to_many_requests_are_all_taken() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let client = client(&test);
+    // The first takes longer than a reply that nobody takes is kept.
+    let slow = Scene::new(SceneRequest { deadline: Some(0.4), ..endless(1) }).unwrap();
+    let scenes = [slow, sampled(20_000), sampled(20_000), sampled(20_000), sampled(20_000)];
+    let replies = client.plan_many(&scenes, LONG);
+    for reply in &replies[1..] {
+        assert!(count(reply.as_ref().unwrap()) >= 20_000);
+    }
+    let late = client.plan_many(&[Scene::new(endless(1)).unwrap()], Duration::from_millis(30));
+    assert!(matches!(late[0], Err(Error::Call(CallError::TimedOut { .. }))), "{late:?}");
+}
+
+#[test]
 fn samples_lie_in_shared_memory_and_outlive_client_and_planner() {
     let test = TestDomain::new();
     let planner = test.planner(&[]);

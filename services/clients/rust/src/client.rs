@@ -1,8 +1,8 @@
 //! Connections to a planner, and requests over them.
 
-use std::collections::VecDeque;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bus::{CallError, Domain, Origin, Wait};
 
@@ -13,6 +13,9 @@ use crate::scene::Scene;
 
 /// Connections kept for further requests, and requests of [`Client::plan_many`] open at a time.
 const KEPT: usize = 4;
+
+/// How long one of several open requests is waited for before the others are looked after.
+const LOOK: Duration = Duration::from_millis(2);
 
 /// Asks the planner of a domain.
 ///
@@ -40,6 +43,8 @@ pub(crate) struct Pool {
     domain: Domain,
     options: ClientOptions,
     idle: Mutex<Vec<bus::Client>>,
+    /// How many of those are kept.
+    kept: AtomicUsize,
     origin: Origin,
 }
 
@@ -54,8 +59,32 @@ impl Client {
         bus::leave_signals_alone();
         let first = bus::Client::connect_within(domain, options.wait, options.patience)?;
         let idle = Mutex::new(vec![first]);
-        let pool = Pool { domain: domain.clone(), options, idle, origin: Origin::new() };
+        let pool = Pool {
+            domain: domain.clone(),
+            options,
+            idle,
+            kept: AtomicUsize::new(KEPT),
+            origin: Origin::new(),
+        };
         Ok(Self { pool: Arc::new(pool) })
+    }
+
+    /// Connects in advance, so that `count` requests can be open at a time. Connecting takes
+    /// milliseconds, in which nobody takes what comes for open requests; a planner drops a reply of
+    /// which nothing is taken for 0.1 s (`patience`).
+    pub fn reserve(&self, count: usize) -> Result<(), Error> {
+        let mut taken = Vec::with_capacity(count);
+        for _ in 0..count {
+            taken.push(self.pool.take()?);
+        }
+        self.pool.kept.fetch_max(count, Ordering::Relaxed);
+        taken.into_iter().for_each(|connection| self.pool.put(connection));
+        Ok(())
+    }
+
+    /// Whether a connection is free, so that [`Client::start`] need not connect.
+    pub fn is_ready(&self) -> bool {
+        !self.pool.idle.lock().unwrap_or_else(PoisonError::into_inner).is_empty()
     }
 
     /// The domain.
@@ -74,19 +103,67 @@ impl Client {
     }
 
     /// Plans several scenes, a few at a time. Replies are in the order of the scenes; `limit` is for
-    /// each.
+    /// each, from when it is sent.
     pub fn plan_many(&self, scenes: &[Scene], limit: Duration) -> Vec<Result<Reply, Error>> {
-        let mut open = VecDeque::with_capacity(KEPT);
-        let mut replies = Vec::with_capacity(scenes.len());
-        let wait = |pending: Result<Pending, Error>| pending?.wait(limit);
-        for scene in scenes {
-            if open.len() == KEPT {
-                replies.extend(open.pop_front().map(wait));
+        self.plan_many_while(scenes, limit, Duration::MAX, || true)
+    }
+
+    /// The same, asking `go_on` once in so long; when it says no, the rest is cancelled
+    /// ([`CallError::Interrupted`]).
+    pub fn plan_many_while(
+        &self,
+        scenes: &[Scene],
+        limit: Duration,
+        every: Duration,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Vec<Result<Reply, Error>> {
+        let mut replies: Vec<_> = scenes.iter().map(|_| None).collect();
+        let mut open: Vec<(usize, Instant, Pending)> = Vec::with_capacity(KEPT);
+        let mut waiting = scenes.iter().enumerate();
+        let mut asked = Instant::now();
+        let most = KEPT.min(scenes.len());
+        // Where there are not so many places, one request at a time says why.
+        let most = if self.reserve(most).is_ok() { most } else { 1 };
+        loop {
+            while open.len() < most
+                && let Some((place, scene)) = waiting.next()
+            {
+                match self.start(scene) {
+                    Ok(pending) => open.push((place, Instant::now(), pending)),
+                    Err(error) => replies[place] = Some(Err(error)),
+                }
             }
-            open.push_back(self.start(scene));
+            if open.is_empty() {
+                break;
+            }
+            // The planner drops a reply that is not taken for too long, so all are looked after.
+            for index in (0..open.len()).rev() {
+                let (place, begin, pending) = &mut open[index];
+                let taken = match index {
+                    0 => pending.wait(LOOK.min(limit)).map(Some),
+                    _ => pending.poll(),
+                };
+                let waited = begin.elapsed();
+                let done = match taken {
+                    Ok(None) | Err(Error::Call(CallError::TimedOut { .. })) => {
+                        (waited >= limit).then(|| Err(CallError::TimedOut { waited, limit }.into()))
+                    }
+                    done => done.transpose(),
+                };
+                if done.is_some() {
+                    replies[*place] = done;
+                    open.swap_remove(index);
+                }
+            }
+            if asked.elapsed() >= every {
+                asked = Instant::now();
+                if !go_on() {
+                    break;
+                }
+            }
         }
-        replies.extend(open.into_iter().map(wait));
-        replies
+        let interrupted = || Err(CallError::Interrupted.into());
+        replies.into_iter().map(|reply| reply.unwrap_or_else(interrupted)).collect()
     }
 
     /// Sends a scene. Dropping what is returned cancels the request.
@@ -118,7 +195,7 @@ impl Pool {
             return;
         }
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        if idle.len() < KEPT {
+        if idle.len() < self.kept.load(Ordering::Relaxed) {
             idle.push(connection);
         }
     }
