@@ -1,7 +1,7 @@
 //! `replay export`: independent readers see what was planned.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::Command;
 
 use comparison::exchanges::{self, Asked};
