@@ -38,8 +38,8 @@ pub(crate) fn run(
     }
     // What is wrong with the recording is told once, by the second reading.
     let copied = arguments.output.as_deref().map(|to| copy(arguments, to)).transpose()?.flatten();
-    let exported = Exported::all(arguments, copied, findings);
-    match exported {
+    let begun = arguments.output.as_deref().filter(|_| copied.is_some());
+    match Exported::all(arguments, copied, findings) {
         Ok(Some(exported)) => exported.finish(arguments, out),
         Ok(None) => {
             warn(format_args!(
@@ -47,11 +47,11 @@ pub(crate) fn run(
                 arguments.file.display()
             ));
             findings.failure = true;
-            arguments.output.iter().for_each(|path| copying::discard(path));
+            begun.into_iter().for_each(copying::discard);
             Ok(Ok(()))
         }
         Err(error) => {
-            arguments.output.iter().for_each(|path| copying::discard(path));
+            begun.into_iter().for_each(copying::discard);
             Err(error)
         }
     }

@@ -40,6 +40,11 @@ fn nothing_is_overwritten_unasked() {
     folder.check(&["export", "a.mcap"], 2, "", "--output");
     folder.check(&["export", "a.mcap", "-o", "y.mcap", "--grid", "0"], 2, "", "greater than 0");
     folder.check(&["export", "none.mcap", "-o", "y.mcap"], 1, "", "none.mcap: ");
+    // Left by a recorder that was killed; it is not ours to remove.
+    std::fs::write(folder.path("z.mcap.part"), "").unwrap();
+    let none = ["export", "a.mcap", "--id", "9", "-o", "z.mcap"];
+    folder.check(&none, 1, "", "nothing written");
+    assert!(folder.path("z.mcap.part").exists());
     let none = ["export", "a.mcap", "--id", "9", "-o", "y.mcap", "--csv", "y.csv"];
     folder.check(&none, 1, "", "a.mcap has no such request with a reply; nothing written");
     let grid = ["export", "a.mcap", "-o", "y.mcap", "--grid", "1um"];
