@@ -187,6 +187,14 @@ pub struct RequestHeader {
     pub named: [u8; 32],
 }
 
+impl RequestHeader {
+    /// The name of its free space, if it has no more of that than its name.
+    pub fn names_only(&self) -> Option<[u8; 32]> {
+        let content = given::CHANNELS | given::SOLIDS | given::BOUNDS;
+        (self.given & (given::NAMED | content) == given::NAMED).then_some(self.named)
+    }
+}
+
 /// Start of every part of a reply.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -315,7 +323,8 @@ pub struct TapHeader {
     /// When the planner took (request) or sent (reply) the message, nanoseconds
     /// since the Unix epoch.
     pub time_ns: u64,
-    /// 0 a request, 1 a part of a reply, 2 a heartbeat without payload.
+    /// 0 a request, 1 a part of a reply, 2 a heartbeat. The payload of a heartbeat, if it has one, is
+    /// a request that makes a free space known which the next request names.
     pub kind: u32,
     /// Long messages are cut into pieces with the same sequence number: bit 0 is set on
     /// the last piece, the bits above it number the pieces from 0.

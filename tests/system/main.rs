@@ -10,6 +10,7 @@ mod end_to_end;
 mod golden;
 mod hostile;
 mod independent;
+mod kills;
 mod operation;
 mod plan;
 mod planner;

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use integration_tests::{LONG, Process, Signal, TestDomain, program, scene, wait_for};
-use recording::Reader;
-use schemas::message::SceneRequest;
+use schemas::message::{AxisBox, Digest, FreeSpace, Sampling, SceneRequest, Solid};
 use serde_json::Value;
 
 use crate::read::recording;
@@ -272,7 +271,7 @@ fn a_recording_says_how_it_was_made() {
     let info = info(&test, "run.mcap.part");
     let description = &info["description"];
     assert!(info["statuses"].as_u64().unwrap() >= 1, "{info}");
-    for name in ["version", "layout", "host", "domain", "id"] {
+    for name in ["version", "revision", "layout", "host", "domain", "id"] {
         assert!(description[name].is_string(), "{name}: {description}");
     }
     assert!(description["command"].as_str().unwrap().contains("--flush 10ms"), "{description}");
@@ -304,50 +303,142 @@ fn a_snapshot_has_what_came_before_the_event() {
 }
 
 #[test]
-fn a_killed_recorder_has_all_that_its_last_mark_tells_of() {
+fn a_snapshot_takes_no_more_memory_than_it_may() {
     let test = TestDomain::new();
     let _planner = test.planner(&[]);
-    let client = test.connect();
-    let mut kills = 0;
-    for compression in ["none", "lz4", "zstd"] {
-        for (chunk, split) in [("1KiB", "1GB"), ("1MiB", "1GB"), ("16KiB", "100kB")] {
-            let name = format!("{compression}-{chunk}.mcap");
-            let options = ["--flush", "5ms", "--compression", compression];
-            let sizes = ["--chunk-size", chunk, "--split-size", split];
-            let recorder = test.recorder(&name, &[options, sizes].concat());
-            // Some moment: whatever the recorder does just then.
-            for _ in 0..20 + 7 * kills {
-                client.call(&small(), LONG).unwrap();
-            }
-            recorder.kill();
-            kills += 1;
-            let stem = name.strip_suffix(".mcap").unwrap();
-            let mut expected = 0;
-            for index in 0.. {
-                let path = |end: &str| test.path(&format!("{stem}-{index:04}.mcap{end}"));
-                let (path, is_last) = match path("").exists() {
-                    true => (path(""), false),
-                    false => (path(".part"), true),
-                };
-                if !path.exists() {
-                    // Killed between two files.
-                    break;
+    let arguments = ["--snapshot", "1h", "--snapshot-size", "1MB", "--flush", "10ms"];
+    let mut recorder = test.recorder("run.mcap", &arguments);
+    ask(&test, 100);
+    recorder.wait_until_it_says("take more than 1.0 MB; the oldest go first");
+    recorder.signal(Signal::USR1);
+    wait_for("the snapshot", || test.path("run-0000.mcap").exists().then_some(()));
+    // From here on there is room again.
+    ask(&test, 1);
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    recorder.signal(Signal::USR1);
+    wait_for("the snapshot", || test.path("run-0001.mcap").exists().then_some(()));
+    let ended = recorder.stop();
+    assert_eq!(ended.code, Some(0), "{ended:?}");
+    assert!(ended.stderr.contains("the snapshot has "), "{ended:?}");
+    let path = test.path("run-0000.mcap");
+    assert!(path.metadata().unwrap().len() < 1_100_000);
+    let kept = recording(&path);
+    let exchanges = kept.replies().len();
+    assert!((5..100).contains(&exchanges), "{exchanges}");
+    let shortened = |file| info(&test, file)["description"]["shortened"].clone();
+    assert!(shortened("run-0000.mcap").as_str().unwrap().contains("of 3600s"));
+    assert_eq!(shortened("run-0001.mcap"), Value::Null);
+    assert_eq!(recording(&test.path("run-0001.mcap")).records.len(), 3);
+}
+
+/// Asks for long replies at once, so that never none is open.
+fn ask_without_pause(test: &TestDomain) {
+    let mut long = small();
+    long.sampling = Some(Sampling::Count(5_000));
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                let client = test.connect();
+                for _ in 0..6 {
+                    assert!(client.call(&long, LONG).unwrap().answers.is_ok());
                 }
-                // Killed while it began the next one.
-                let Ok(mut reader) = Reader::open(&path) else { break };
-                for record in reader.by_ref().map_while(Result::ok) {
-                    assert_eq!(u64::from(record.sequence), expected, "{name}");
-                    expected += 1;
-                }
-                let Some(beat) = reader.heartbeat() else { break };
-                assert_eq!(reader.lost(), 0);
-                assert!(beat.sequence <= expected && beat.announced >= beat.sequence, "{beat:?}");
-                if is_last {
-                    break;
-                }
-                assert_eq!(beat.sequence, expected);
-            }
-            assert!(expected > 0, "{name}: nothing was recorded in time");
+            });
         }
+    });
+}
+
+#[test]
+fn a_split_within_an_exchange_is_told() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let recorder = test.recorder("run.mcap", &["--split-size", "150kB", "--chunk-size", "16KiB"]);
+    ask_without_pause(&test);
+    assert_eq!(recorder.stop().code, Some(0));
+    let files = finished(&test);
+    let names: Vec<_> = files.iter().map(|path| path.to_str().unwrap()).collect();
+    assert!(names.len() > 20, "{names:?}");
+    let all = test.run("replay", &[&["check"], &names[..]].concat());
+    assert!(all.stdout.ends_with("more: 24 requests, 24 equal\n"), "{all:?}");
+    assert_eq!((all.code, all.stderr.as_str()), (Some(0), ""));
+    // Replies are longer than a file.
+    let one = test.run("replay", &["check", names[10]]);
+    assert_eq!(one.code, Some(3), "{one:?}");
+    let says = |text| one.stderr.contains(text);
+    let before = says("which is in a file before this one");
+    assert!(before || says("goes on in a file after this one"), "{one:?}");
+    assert!(!says("is not in the recording") && !says("has no reply"), "{one:?}");
+    assert!(!says("is cut off"), "{one:?}");
+    // Files of which none says so miss them.
+    let missing = test.run("replay", &["check", names[10], names[12]]);
+    assert!(missing.stderr.contains("the recorder missed"), "{missing:?}");
+}
+
+/// A scene whose free space has a name, with that and without, and the name.
+fn named(mut scene: SceneRequest) -> (SceneRequest, SceneRequest, String) {
+    let name = scene.free_space.digest();
+    scene.free_space.named = Some(name);
+    let mut by_name = scene.clone();
+    by_name.free_space = FreeSpace { named: Some(name), ..FreeSpace::default() };
+    (scene, by_name, name.to_string())
+}
+
+#[test]
+fn free_spaces_sent_before_the_recorder_came_are_recorded() {
+    let test = TestDomain::new();
+    let _planner = test.planner(&[]);
+    let (upload, by_name, name) = named(small());
+    let (other, other_by_name, _) = named(scene("drive-office-boxes.json"));
+    let client = test.connect();
+    for scene in [&upload, &other, &by_name] {
+        assert!(client.call(scene, LONG).unwrap().answers.is_ok());
     }
+    // Each recorder that comes is told.
+    for file in ["first.mcap", "second.mcap"] {
+        let recorder = test.recorder(file, &[]);
+        for _ in 0..3 {
+            for scene in [&by_name, &other_by_name] {
+                assert!(client.call(scene, LONG).unwrap().answers.is_ok());
+            }
+        }
+        let mut unknown = by_name.clone();
+        unknown.free_space.named = Some(Digest([7; 32]));
+        assert!(client.call(&unknown, LONG).unwrap().answers.is_err());
+        let ended = recorder.stop();
+        assert_eq!((ended.code, ended.stderr.contains(&name)), (Some(0), false), "{ended:?}");
+        let checked = test.run("replay", &["check", file]);
+        assert!(checked.stdout.contains("7 requests, 6 equal"), "{checked:?}");
+        assert_eq!(checked.code, Some(0), "{checked:?}");
+    }
+}
+
+#[test]
+fn a_free_space_that_no_recorder_can_be_told_is_named() {
+    let test = TestDomain::new();
+    test.write("planner.toml", "tap_buffer = 8");
+    let _planner = test.planner(&["--config", "planner.toml"]);
+    // Far away, and more of them than half of the buffer takes.
+    let mut large = small();
+    let far = |index: u32| {
+        let at = 1_000.0 + 2.0 * f64::from(index);
+        let vector = |x: f64| [x, x].into();
+        Solid::Box(AxisBox { min: vector(at), max: vector(at + 1.0) })
+    };
+    large.free_space.solids = Some((0..6_000).map(far).collect());
+    let (upload, by_name, name) = named(large);
+    let client = test.connect();
+    assert!(client.call(&upload, LONG).unwrap().answers.is_ok());
+    let recorder = test.recorder("run.mcap", &[]);
+    assert!(client.call(&by_name, LONG).unwrap().answers.is_ok());
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    let ended = recorder.stop();
+    assert_eq!(ended.code, Some(3), "{ended:?}");
+    assert!(
+        ended.stderr.contains(&format!("free space {name}, which is not recorded")),
+        "{ended:?}"
+    );
+    assert_eq!(info(&test, "run.mcap")["missing_free_spaces"], serde_json::json!([name]));
+    let checked = test.run("replay", &["check", "run.mcap"]);
+    assert_eq!(checked.code, Some(3), "{checked:?}");
+    let says = format!("free space {name} is not in the recording: 1 of its requests");
+    assert!(checked.stderr.contains(&says), "{checked:?}");
 }

@@ -5,6 +5,11 @@ use sha2::{Digest as _, Sha256};
 use super::{AxisBox, Digest, FreeSpace, Solid, Vector};
 
 impl FreeSpace {
+    /// Whether it has nothing but, perhaps, its name.
+    pub fn is_name_only(&self) -> bool {
+        self.channels.is_none() && self.solids.is_none() && self.bounds.is_none()
+    }
+
     /// Its name: the SHA-256 digest of its canonical outlines, whatever name it gives itself.
     ///
     /// These are, in order: the line `clearway free space 1`; `c`, 1 if the channels are in

@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use schemas::message::{Digest, FreeSpace};
+
 use crate::entries::{CacheStats, Entries};
 use crate::uploads::Uploads;
 
@@ -71,6 +73,11 @@ impl Store {
         let kept = self.lock();
         let hits = kept.hits.iter().map(|hits| hits.0.load(Ordering::Relaxed)).sum::<u64>();
         CacheStats { hits: kept.hits_before + hits, ..kept.entries.stats() }
+    }
+
+    /// The free space that is known by this name, which it has beside its content.
+    pub fn named(&self, name: Digest) -> Option<Arc<FreeSpace>> {
+        self.lock().uploads.find(name)
     }
 
     /// What each workspace may keep of each kind of buffer, bytes.

@@ -17,6 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let last = if part.last { ", the last" } else { "" };
                 println!("{}  reply part {}{last}", part.key, part.part);
             }
+            Some(TapEvent::FreeSpace(request)) => println!("a free space sent {}", request.sent_ns),
             Some(TapEvent::Lost { messages }) => println!("{messages} messages lost"),
             Some(TapEvent::Restarted) => println!("another planner"),
         }

@@ -19,6 +19,7 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{CallbackProgression, PortFactory, ipc};
 use iceoryx2::service::port_factory::server::ServerCreateError;
+use schemas::message::Digest;
 use schemas::wire;
 
 use crate::cause::Cause;
@@ -297,6 +298,17 @@ impl Server {
         };
         current.dynamic_config().list_clients(|client| watch(client.client_id, client.node_id));
         previous.dynamic_config().list_clients(|client| watch(client.client_id, client.node_id));
+    }
+
+    /// Whether a recorder has not been shown the free space of this name.
+    pub fn recorders_lack(&self, name: Digest) -> bool {
+        self.desk.borrow_mut().tap.lacks(name)
+    }
+
+    /// Shows recorders a request that would make the free space of this name known, before one
+    /// that only names it.
+    pub fn show_free_space(&self, name: Digest, header: &wire::RequestHeader, cells: &[u64]) {
+        self.desk.borrow_mut().tap.show(name, header, cells);
     }
 
     /// Publishes what the planner says of itself; whoever comes later sees the last of it.

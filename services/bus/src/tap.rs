@@ -3,19 +3,20 @@
 //! One sequence runs over requests and replies, in the order in which the planner took and
 //! sent them, whatever version their client speaks: the tap carries the current one.
 //! Nothing is copied while nobody listens. A heartbeat carries the next sequence number,
-//! so a loss at the very end shows as well. The number outlasts the planner (`ledger`):
+//! so a loss at the very end shows as well, and the free space that the next request names, if
+//! somebody listens who has not seen it. The number outlasts the planner (`ledger`):
 //! the next one goes on counting, so that what is lost at a restart is counted exactly.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::time::{Duration, Instant};
 
-use iceoryx2::identifiers::UniquePublisherId;
+use iceoryx2::identifiers::{UniquePublisherId, UniqueSubscriberId};
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::prelude::{AllocationStrategy, PortFactory, ipc};
+use iceoryx2::prelude::{AllocationStrategy, CallbackProgression, PortFactory, ipc};
 use schemas::convert::{self, Malformed};
-use schemas::message::{ReplyPart, Request};
+use schemas::message::{Digest, ReplyPart, Request};
 use schemas::wire;
 
 use crate::cause::Cause;
@@ -38,6 +39,9 @@ const MESSAGE_CELLS: usize = wire::PART_CELLS + size_of::<wire::ReplyHeader>() /
 /// Time between heartbeats.
 const HEARTBEAT: Duration = Duration::from_millis(100);
 
+/// Names that the writer remembers having shown. Beyond, it shows them once more.
+const MOST_SHOWN: usize = 4096;
+
 /// Kinds of messages, as in [`wire::TapHeader`].
 const REQUEST: u32 = 0;
 const REPLY: u32 = 1;
@@ -50,6 +54,10 @@ pub(crate) struct TapWriter {
     service: ports::Tap,
     ledger: Ledger,
     beaten: Instant,
+    /// Who listened when a free space was last looked for.
+    listeners: Vec<UniqueSubscriberId>,
+    /// The named free spaces that all of them were shown.
+    shown: BTreeSet<Digest>,
 }
 
 impl TapWriter {
@@ -61,7 +69,8 @@ impl TapWriter {
             .max_loaned_samples(1)
             .create()
             .map_err(Cause::from)?;
-        Ok(Self { port, service, ledger, beaten: Instant::now() })
+        let (listeners, shown) = (Vec::new(), BTreeSet::new());
+        Ok(Self { port, service, ledger, beaten: Instant::now(), listeners, shown })
     }
 
     fn listened_to(&self) -> bool {
@@ -78,6 +87,40 @@ impl TapWriter {
         if self.listened_to() {
             self.publish(REPLY, bytemuck::cast_slice(bytemuck::bytes_of(header)), cells);
         }
+    }
+
+    /// Whether somebody listens who was not shown the free space of this name.
+    pub(crate) fn lacks(&mut self, name: Digest) -> bool {
+        if !self.listened_to() {
+            return false;
+        }
+        let mut is_new = false;
+        let mut now = Vec::with_capacity(self.listeners.len());
+        self.service.dynamic_config().list_subscribers(|subscriber| {
+            is_new |= !self.listeners.contains(&subscriber.subscriber_id);
+            now.push(subscriber.subscriber_id);
+            CallbackProgression::Continue
+        });
+        self.listeners = now;
+        if is_new || self.shown.len() > MOST_SHOWN {
+            self.shown.clear();
+        }
+        !self.shown.contains(&name)
+    }
+
+    /// Shows a request that would make the free space of this name known. It is none of the bus's messages, and
+    /// has no number of its own. One that would fill half of a recorder's buffer is not shown: it
+    /// would push messages out.
+    pub(crate) fn show(&mut self, name: Digest, header: &wire::RequestHeader, cells: &[u64]) {
+        self.shown.insert(name);
+        let head: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(header));
+        let pieces = (head.len() + cells.len()).div_ceil(MESSAGE_CELLS);
+        let most = self.service.static_config().subscriber_max_buffer_size() / 2;
+        if pieces > most.max(1) {
+            return tracing::warn!(%name, pieces, most, "a free space is too large for the tap");
+        }
+        let next = self.ledger.next();
+        self.send_all(BEAT, next, head, cells);
     }
 
     /// If it is time to, announces the next sequence number, or forgets the last who listened.
@@ -97,9 +140,13 @@ impl TapWriter {
         is_due
     }
 
-    fn publish(&mut self, kind: u32, mut head: &[u64], mut cells: &[u64]) {
+    fn publish(&mut self, kind: u32, head: &[u64], cells: &[u64]) {
         // Counted first: what a kill keeps from being sent is lost, and shows.
         let sequence = self.ledger.take();
+        self.send_all(kind, sequence, head, cells);
+    }
+
+    fn send_all(&mut self, kind: u32, sequence: u64, mut head: &[u64], mut cells: &[u64]) {
         for index in 0.. {
             let (now, later) = cells.split_at(cells.len().min(MESSAGE_CELLS - head.len()));
             let piece = Piece { index, ends: later.is_empty() };
@@ -156,10 +203,12 @@ impl Piece {
 
 /// What a [`TapReader`] sees.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "nearly every event is a message")]
 pub enum TapEvent {
     /// A message.
     Message(TapMessage),
+    /// A request that made a free space known before this reader joined. The next request refers to
+    /// it by its name.
+    FreeSpace(Request),
     /// Messages came too fast and are lost.
     Lost {
         /// How many bus messages.
@@ -189,6 +238,7 @@ pub enum TapMessage {
 /// while !tap.terminated() {
 ///     match tap.receive() {
 ///         Some(TapEvent::Message(message)) => println!("{message:?}"),
+///         Some(TapEvent::FreeSpace(request)) => println!("sent before: {request:?}"),
 ///         Some(TapEvent::Lost { messages }) => println!("{messages} messages lost"),
 ///         Some(TapEvent::Restarted) => println!("another planner"),
 ///         None => std::thread::sleep(std::time::Duration::from_millis(1)),
@@ -210,6 +260,8 @@ pub struct TapReader {
     place: Option<Place>,
     /// A message that is not complete yet.
     begun: Vec<u64>,
+    /// A free space that is not complete yet, and how many of its pieces came.
+    shown: (Vec<u64>, u32),
     /// Events that wait behind another.
     waiting: VecDeque<TapEvent>,
     /// Stays in the domain for as long as the port is open.
@@ -241,6 +293,7 @@ impl TapReader {
             publisher: None,
             place: None,
             begun: Vec::new(),
+            shown: (Vec::new(), 0),
             waiting: VecDeque::new(),
             node,
         })
@@ -285,8 +338,15 @@ impl TapReader {
                 Some(piece) if step.keep => self.assemble(&header, piece, sample.payload()),
                 _ => None,
             };
+            let shown = match header.kind {
+                BEAT if !sample.payload().is_empty() => {
+                    self.assemble_shown(Piece::from_code(header.piece), sample.payload())
+                }
+                _ => None,
+            };
             self.waiting.extend(restarted.into_iter().chain(lost));
             self.waiting.extend(message.map(TapEvent::Message));
+            self.waiting.extend(shown.map(TapEvent::FreeSpace));
             if let Some(event) = self.waiting.pop_front() {
                 return Some(event);
             }
@@ -331,6 +391,30 @@ impl TapReader {
         }
         self.begun.extend_from_slice(cells);
         piece.ends.then(|| read_message(header, &std::mem::take(&mut self.begun)))?
+    }
+
+    /// The request with a free space that is complete with this piece. One that lacks a piece is
+    /// dropped.
+    fn assemble_shown(&mut self, piece: Piece, cells: &[u64]) -> Option<Request> {
+        let (begun, pieces) = &mut self.shown;
+        if piece.index == 0 {
+            begun.clear();
+            *pieces = 0;
+        }
+        if piece.index != *pieces {
+            (*begun, *pieces) = (Vec::new(), u32::MAX);
+            return None;
+        }
+        begun.extend_from_slice(cells);
+        *pieces += 1;
+        if !piece.ends {
+            return None;
+        }
+        let cells = std::mem::take(begun);
+        *pieces = u32::MAX;
+        let read = split::<wire::RequestHeader>(&cells);
+        let read = read.map(|(header, cells)| convert::read_request(&header, cells));
+        read.inspect_err(|error| tracing::warn!(%error, "unreadable free space on the tap")).ok()
     }
 }
 

@@ -5,9 +5,13 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use recording::{
-    Coverage, FILE_KEY, Heartbeat, Message, ReadError, Reader, Record, SERIES_KEY, Summary,
+    CONTINUED_KEY, CONTINUES_KEY, Coverage, FILE_KEY, Heartbeat, Message, ReadError, Reader,
+    Record, SERIES_KEY, Summary,
 };
-use schemas::message::{AssembleError, Reply, ReplyAssembler, ReplyPart, Request, RequestKey};
+use schemas::message::{
+    AssembleError, Digest, ErrorCode, Reply, ReplyAssembler, ReplyPart, Request, RequestContent,
+    RequestKey, SceneRequest,
+};
 use thiserror::Error;
 
 /// A request and the reply to it.
@@ -35,9 +39,19 @@ pub struct Asked {
     pub reply: Option<Reply>,
     /// When the last part of the reply was sent; nanoseconds since the Unix epoch.
     pub replied_ns: Option<u64>,
+    /// Whether it was planned with a free space that the request only names and that the recording
+    /// does not have.
+    pub lacks_free_space: bool,
     /// Requests before the recording that had made free spaces known to which requests up to this
     /// one refer.
     pub uploads: Vec<Request>,
+}
+
+impl Asked {
+    fn without_reply(index: u64, request: Request) -> Self {
+        let (reply, replied_ns, lacks_free_space, uploads) = (None, None, false, Vec::new());
+        Self { index, request, reply, replied_ns, lacks_free_space, uploads }
+    }
 }
 
 /// A request without its whole reply, or parts of a reply without their request.
@@ -79,6 +93,26 @@ pub enum Loss {
         /// Parts found.
         parts: u64,
     },
+    /// The request is in another file of the recording.
+    #[error("{parts} parts of a reply to request {key}, which is in a file before this one")]
+    RequestBefore {
+        /// The request.
+        key: RequestKey,
+        /// Parts found.
+        parts: u64,
+    },
+    /// The reply, or its end, is in another file of the recording.
+    #[error(
+        "the reply to request {index} ({key}) goes on in a file after this one; {parts} parts are here"
+    )]
+    ReplyAfter {
+        /// Counts the requests, from 0.
+        index: u64,
+        /// The request.
+        key: RequestKey,
+        /// Parts found.
+        parts: u32,
+    },
 }
 
 /// What else a recording contains.
@@ -100,6 +134,8 @@ pub struct Contents {
     pub times_ns: Option<(u64, u64)>,
     /// Requests without whole replies, and replies without requests.
     pub losses: Vec<Loss>,
+    /// Free spaces that answered requests name and that it does not have, and how many requests.
+    pub missing_free_spaces: BTreeMap<Digest, u64>,
     /// Messages missing according to sequence numbers, and in how many gaps.
     pub missing: (u64, u64),
     /// The totals that its recorder wrote at the end.
@@ -112,6 +148,8 @@ pub struct Contents {
     pub coverage: Coverage,
     /// The recorder's last sign of life.
     pub heartbeat: Option<Heartbeat>,
+    /// The number of the message after the last one that was read.
+    pub next_number: Option<u64>,
     /// What its recorder wrote at the beginning.
     pub description: BTreeMap<String, String>,
     /// Why it could not be read to its end.
@@ -128,12 +166,14 @@ impl Contents {
     /// recording without an end does not have.
     pub fn unrecorded(&self) -> u64 {
         let cut = self.heartbeat.filter(|_| self.summary.is_none());
-        cut.map_or(0, |beat| beat.announced.saturating_sub(beat.sequence))
+        let next = |beat: &Heartbeat| self.next_number.unwrap_or(0).max(beat.sequence);
+        cut.map_or(0, |beat| beat.announced.saturating_sub(next(&beat)))
     }
 
     /// Whether anything is missing, a cut end included.
     pub fn is_incomplete(&self) -> bool {
         self.lost() > 0
+            || !self.missing_free_spaces.is_empty()
             || !self.losses.is_empty()
             || self.error.as_ref().is_some_and(ReadError::is_cut)
     }
@@ -141,6 +181,17 @@ impl Contents {
     /// Whether nothing of it could be read because of the system: it is not there, or a folder.
     pub fn is_unopened(&self) -> bool {
         self.bytes == 0 && matches!(self.error, Some(ReadError::Io { offset: 0, .. }))
+    }
+
+    /// What is missing of exchanges, in words.
+    pub fn incomplete(&self) -> impl Iterator<Item = String> {
+        let missing = self.missing_free_spaces.iter().map(|(name, requests)| {
+            format!(
+                "free space {name} is not in the recording: {requests} of its requests can't be \
+                 planned again"
+            )
+        });
+        self.losses.iter().map(ToString::to_string).chain(missing)
     }
 
     /// Why it could not be read, unless it is only cut off.
@@ -155,6 +206,8 @@ struct Pending {
     request: Request,
     assembler: ReplyAssembler,
     error: Option<AssembleError>,
+    /// The free space that it names, if nobody has told it.
+    lacks: Option<Digest>,
 }
 
 /// What the recorder wrote at the beginning of the recording at `path`, if that can be read.
@@ -187,8 +240,9 @@ pub fn recordings(paths: &[PathBuf]) -> Vec<Vec<PathBuf>> {
     recordings
 }
 
-/// Reads the recording at `path`. `each` gets every exchange as soon as its reply is whole,
-/// `progress` the number of bytes read so far.
+/// Reads the recording at `path`. `each` gets every exchange as soon as its reply is whole, if it
+/// can be planned again: see [`Contents::missing_free_spaces`]. `progress` gets the number of bytes
+/// read so far.
 ///
 /// Memory: requests whose replies are not yet whole, with the parts read.
 pub fn read(path: &Path, progress: impl FnMut(u64), each: impl FnMut(Exchange)) -> Contents {
@@ -203,9 +257,10 @@ pub fn read_all(
 ) -> Contents {
     // They wait for the next request that has its whole reply.
     let mut before = Vec::new();
-    read_asked(paths, progress, |Asked { index, request, reply, replied_ns: _, uploads }| {
+    read_asked(paths, progress, |asked| {
+        let Asked { index, request, reply, replied_ns: _, lacks_free_space, uploads } = asked;
         before.extend(uploads);
-        if let Some(reply) = reply {
+        if let Some(reply) = reply.filter(|_| !lacks_free_space) {
             each(Exchange { index, request, reply, uploads: std::mem::take(&mut before) });
         }
         ControlFlow::Continue(())
@@ -233,15 +288,24 @@ pub fn read_asked(
     }
     // Whoever has seen enough has not seen what is missing.
     if flow.is_continue() {
-        let Open { pending, orphans, .. } = open;
+        let Open { pending, orphans, continues, continued, .. } = open;
         for waiting in pending.into_values() {
-            let asked = waiting.unanswered(&mut contents.losses);
+            let is_after = continued.contains(&waiting.request.key.to_string());
+            let asked = match is_after && waiting.error.is_none() {
+                true => waiting.answered_after(&mut contents.losses),
+                false => waiting.unanswered(&mut contents.losses),
+            };
             if flow.is_continue() {
                 flow = each(asked);
             }
         }
         let orphans = orphans.into_iter();
-        contents.losses.extend(orphans.map(|(key, parts)| Loss::NoRequest { key, parts }));
+        contents.losses.extend(orphans.map(
+            |(key, parts)| match continues.contains(&key.to_string()) {
+                true => Loss::RequestBefore { key, parts },
+                false => Loss::NoRequest { key, parts },
+            },
+        ));
     }
     contents
 }
@@ -251,6 +315,11 @@ pub fn read_asked(
 struct Open {
     pending: BTreeMap<RequestKey, Pending>,
     orphans: BTreeMap<RequestKey, u64>,
+    /// Requests whose replies begin, or go on, in another file than they are in, by what files say.
+    continues: BTreeSet<String>,
+    continued: BTreeSet<String>,
+    /// The free spaces that are there.
+    known: BTreeSet<Digest>,
     /// Not handed on yet.
     uploads: Vec<Request>,
     /// The number of the message that comes next, by the file before.
@@ -279,7 +348,10 @@ impl Open {
         while flow.is_continue()
             && let Some(record) = reader.next()
         {
-            self.uploads.extend(reader.take_free_spaces());
+            for upload in reader.take_free_spaces() {
+                self.know(&upload);
+                self.uploads.push(upload);
+            }
             match record {
                 Ok(record) => flow = self.take(record, contents, each),
                 Err(error) => {
@@ -291,7 +363,13 @@ impl Open {
         }
         let between = self.next.zip(reader.begin());
         let between = between.map_or(0, |(next, begin)| begin.saturating_sub(next));
-        self.next = reader.heartbeat().map(|beat| beat.sequence);
+        self.next = reader.next_number();
+        let keys = |text: Option<&String>| {
+            let keys = text.into_iter().flat_map(|keys| keys.split(' '));
+            keys.map(str::to_owned).collect::<Vec<_>>()
+        };
+        self.continues.extend(keys(reader.description().get(CONTINUES_KEY)));
+        self.continued.extend(keys(reader.notes().get(CONTINUED_KEY)));
         contents.bytes += reader.offset();
         contents.library = reader.library().to_owned();
         contents.missing.0 += reader.lost() + between;
@@ -310,8 +388,31 @@ impl Open {
         }
         if is_last || contents.error.is_some() {
             contents.heartbeat = reader.heartbeat();
+            contents.next_number = reader.next_number();
         }
         flow
+    }
+
+    /// Notes the free space of a request, if it carries one with its right name.
+    fn know(&mut self, request: &Request) {
+        let RequestContent::Scene(SceneRequest { free_space, .. }) = &request.content else {
+            return;
+        };
+        if let Some(name) = free_space.named.filter(|_| !free_space.is_name_only())
+            && !self.known.contains(&name)
+            && free_space.digest() == name
+        {
+            self.known.insert(name);
+        }
+    }
+
+    /// The free space that a request names, if it is not there.
+    fn lack(&self, request: &Request) -> Option<Digest> {
+        let RequestContent::Scene(SceneRequest { free_space, .. }) = &request.content else {
+            return None;
+        };
+        let name = free_space.named.filter(|_| free_space.is_name_only());
+        name.filter(|name| !self.known.contains(name))
     }
 
     fn take(
@@ -327,7 +428,9 @@ impl Open {
                 contents.clients.insert(request.key.client);
                 let (key, index) = (request.key, contents.requests);
                 let assembler = ReplyAssembler::default();
-                let begun = Pending { index, request, assembler, error: None };
+                self.know(&request);
+                let lacks = self.lack(&request);
+                let begun = Pending { index, request, assembler, error: None, lacks };
                 // A client may ask again under the same key when no reply comes.
                 let before = self.pending.insert(key, begun);
                 contents.requests += 1;
@@ -351,10 +454,21 @@ impl Open {
                 return each(match reply {
                     Some(reply) => {
                         contents.exchanges += 1;
-                        let Pending { index, request, .. } = waiting;
+                        let Pending { index, request, lacks, .. } = waiting;
                         let (replied_ns, uploads) =
                             (Some(sent_ns), std::mem::take(&mut self.uploads));
-                        Asked { index, request, reply: Some(reply), replied_ns, uploads }
+                        // What the planner did not know either is not missing.
+                        let is_refused = reply
+                            .answers
+                            .as_ref()
+                            .is_err_and(|refusal| refusal.code == ErrorCode::UnknownFreeSpace);
+                        let lacks = lacks.filter(|_| !is_refused);
+                        if let Some(name) = lacks {
+                            *contents.missing_free_spaces.entry(name).or_insert(0) += 1;
+                        }
+                        let lacks_free_space = lacks.is_some();
+                        let reply = Some(reply);
+                        Asked { index, request, reply, replied_ns, lacks_free_space, uploads }
                     }
                     None => waiting.unanswered(&mut contents.losses),
                 });
@@ -379,13 +493,21 @@ impl Pending {
 
     /// The request alone, with what is missing noted among `losses`.
     fn unanswered(self, losses: &mut Vec<Loss>) -> Asked {
-        let Self { index, request, assembler, error } = self;
+        let Self { index, request, assembler, error, lacks: _ } = self;
         let key = request.key;
         losses.push(match (error, assembler.parts()) {
             (Some(error), _) => Loss::Broken { index, key, error },
             (None, 0) => Loss::NoReply { index, key },
             (None, parts) => Loss::NoEnd { index, key, parts },
         });
-        Asked { index, request, reply: None, replied_ns: None, uploads: Vec::new() }
+        Asked::without_reply(index, request)
+    }
+
+    /// The same where the reply ends in another file.
+    fn answered_after(self, losses: &mut Vec<Loss>) -> Asked {
+        let Self { index, request, assembler, .. } = self;
+        let (key, parts) = (request.key, assembler.parts());
+        losses.push(Loss::ReplyAfter { index, key, parts });
+        Asked::without_reply(index, request)
     }
 }

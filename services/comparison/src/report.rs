@@ -333,7 +333,7 @@ impl From<&Checked> for FileReport {
             equal,
             equal_within: within,
             error: contents.error.as_ref().map(ToString::to_string),
-            incomplete: contents.losses.iter().map(ToString::to_string).collect(),
+            incomplete: contents.incomplete().collect(),
             lost: contents.lost(),
             not_repeatable,
             path: path.to_string_lossy().into_owned(),

@@ -12,6 +12,7 @@ pub mod options;
 mod queue;
 mod resume;
 pub mod service;
+mod shown;
 mod statistics;
 pub mod supervisor;
 mod turns;

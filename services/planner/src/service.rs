@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use answer::{CacheStats, StopFlag, StopReason, Store, Workspace};
 use bus::{Domain, Incoming, ReplyError, Server, Woken};
 use configuration::Config;
-use schemas::message::{ErrorCode, Refusal};
+use schemas::message::{Digest, ErrorCode, Refusal};
 use schemas::status::Status;
 use schemas::wire::{RequestHeader, given};
 
@@ -254,6 +254,9 @@ impl<'a> Service<'a> {
         self.statistics.requests += 1;
         let taken = Instant::now();
         let header = incoming.header();
+        if let Some(name) = header.names_only() {
+            crate::shown::show(self.server, &self.store, Digest(name));
+        }
         let caps = &self.config.caps;
         // Don't even copy what is too large.
         let readable = caps.check_cells(incoming.cells()).and_then(|()| {

@@ -19,6 +19,9 @@ pub struct Options {
     pub description: BTreeMap<String, String>,
     /// The number of the first message: a recording in several files goes on counting.
     pub first: u64,
+    /// When the recorder last looked how far the planner is (nanoseconds since the Unix epoch), and
+    /// the number of the message that it was to send next.
+    pub announced: Option<(u64, u64)>,
     /// The recording's number; by default a random one.
     pub id: Option<u128>,
 }
@@ -32,6 +35,7 @@ impl Default for Options {
             sync: false,
             description: BTreeMap::new(),
             first: 0,
+            announced: None,
             id: None,
         }
     }

@@ -59,6 +59,7 @@ pub struct Reader<R: Read = File> {
     keeps_statuses: bool,
     compression: Compression,
     claimed: Option<Summary>,
+    notes: BTreeMap<String, String>,
     data_ended: bool,
     done: bool,
 }
@@ -111,6 +112,7 @@ impl<R: Read> Reader<R> {
             keeps_statuses: false,
             compression: Compression::None,
             claimed: None,
+            notes: BTreeMap::new(),
             data_ended: false,
             done: false,
         };
@@ -154,6 +156,18 @@ impl<R: Read> Reader<R> {
     /// The recorder's last sign of life so far.
     pub fn heartbeat(&self) -> Option<Heartbeat> {
         self.marks.last.map(Heartbeat::from)
+    }
+
+    /// The number of the message after those read so far, lost ones included; known with
+    /// [`Self::id`].
+    pub fn next_number(&self) -> Option<u64> {
+        self.marks.last.map(|mark| self.gaps.next_near(mark.sequence))
+    }
+
+    /// What its recorder wrote at the end beside the totals, known with [`Self::summary`]: names and
+    /// values.
+    pub fn notes(&self) -> &BTreeMap<String, String> {
+        &self.notes
     }
 
     /// How much of what was read checksums vouch for; final once the last message is read.
@@ -306,7 +320,9 @@ impl<R: Read> Reader<R> {
                     }
                 }
                 op::METADATA if !self.data_ended => {
-                    self.claimed = Summary::parse(body).or(self.claimed);
+                    if let Some((summary, notes)) = Summary::parse(body) {
+                        (self.claimed, self.notes) = (Some(summary), notes);
+                    }
                     if let Some(description) = summary::description(body) {
                         self.description = description.map_err(damaged)?;
                     }

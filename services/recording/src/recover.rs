@@ -138,6 +138,7 @@ struct Survey {
     reason: Option<ReadError>,
     claimed: Option<Summary>,
     description: BTreeMap<String, String>,
+    notes: BTreeMap<String, String>,
     coverage: Coverage,
 }
 
@@ -146,6 +147,7 @@ fn survey(input: impl Read) -> Result<Survey, ReadError> {
         reason: None,
         claimed: None,
         description: BTreeMap::new(),
+        notes: BTreeMap::new(),
         coverage: Coverage::default(),
     };
     match Reader::new(input) {
@@ -153,6 +155,7 @@ fn survey(input: impl Read) -> Result<Survey, ReadError> {
             survey.reason = reader.by_ref().find_map(Result::err);
             survey.claimed = reader.summary();
             survey.description = reader.description().clone();
+            survey.notes = reader.notes().clone();
             survey.coverage = reader.coverage();
         }
         Err(error) => survey.reason = Some(error),
@@ -202,6 +205,9 @@ pub(crate) fn salvage<R: Read + Seek, W: Write>(
     // Losses after the last message have left no other trace in files without marks.
     let claimed = survey.claimed.map_or(0, |summary| summary.lost);
     writer.lost(claimed.saturating_sub(writer.summary().lost));
+    for (name, value) in survey.notes {
+        writer.note_at_end(&name, value);
+    }
     let Copy { unreadable, unverified, skipped, .. } = copy;
     Ok(Some(Recovered {
         summary: writer.finish()?,

@@ -1,14 +1,14 @@
 //! A recording in one file or several.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use schemas::message::{Digest, ReplyPart, Request, RequestKey};
+use schemas::message::{Digest, ErrorCode, ReplyPart, Request, RequestKey};
 
 use crate::options::Options;
 use crate::summary::Summary;
-use crate::uploads::Uploads;
+use crate::uploads::{Lack, Uploads};
 use crate::write::{Writer, random};
 use crate::write_error::WriteError;
 
@@ -36,6 +36,20 @@ pub const SERIES_KEY: &str = "series";
 /// Key in the description of a file's place among them, from 0.
 pub const FILE_KEY: &str = "file";
 
+/// Key in the description of the requests in files before whose replies go on in this one.
+pub const CONTINUES_KEY: &str = "continues";
+
+/// Key at the end of the requests whose replies go on in files after this one.
+pub const CONTINUED_KEY: &str = "continued";
+
+/// Key at the end of the names of free spaces that a file's requests have and that nobody could
+/// tell: these requests can't be planned again.
+const MISSING_KEY: &str = "missing_free_spaces";
+
+/// Requests without a whole reply that are remembered, at most: many times what a planner takes.
+/// Those whose clients died never get one.
+const MOST_OPEN: usize = 4096;
+
 /// How much longer than asked a file gets, at most, until no request is open: one part in this
 /// many.
 const PATIENCE: u64 = 10;
@@ -57,14 +71,39 @@ pub struct Series {
     /// Finished files, the oldest first.
     files: VecDeque<PathBuf>,
     removed: u64,
-    /// Requests whose reply is not whole yet.
-    open: BTreeSet<RequestKey>,
+    /// Requests whose reply is not whole yet; none if replies are not recorded.
+    open: BTreeMap<RequestKey, Open>,
+    has_replies: bool,
     uploads: Uploads,
     /// The named free spaces that this file has.
     there: BTreeSet<Digest>,
+    /// Those that its requests name and that are not known; and those of all files.
+    missing: BTreeSet<Digest>,
+    all_missing: BTreeSet<Digest>,
     /// What the finished files hold.
     before: Summary,
     bytes_before: u64,
+}
+
+/// A request whose reply is not whole yet.
+struct Open {
+    /// The number of its file.
+    file: u64,
+    /// The free space that it names, if that is not known here; perhaps nobody knows it.
+    lacks: Option<Digest>,
+}
+
+/// A recording that has ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finished {
+    /// What all files hold.
+    pub summary: Summary,
+    /// How many files there are.
+    pub files: u64,
+    /// How many of them were removed as the oldest.
+    pub removed: u64,
+    /// Free spaces that requests name and that the recording does not have.
+    pub missing: BTreeSet<Digest>,
 }
 
 impl Series {
@@ -84,13 +123,16 @@ impl Series {
             index: 0,
             files: VecDeque::new(),
             removed: 0,
-            open: BTreeSet::new(),
+            open: BTreeMap::new(),
+            has_replies: true,
             uploads: Uploads::default(),
             there: BTreeSet::new(),
+            missing: BTreeSet::new(),
+            all_missing: BTreeSet::new(),
             before: Summary::default(),
             bytes_before: 0,
         };
-        series.begin()?;
+        series.writer = Some(series.create_file("")?);
         Ok(series)
     }
 
@@ -104,15 +146,16 @@ impl Series {
         self.path.with_file_name(format!("{stem}-{index:04}.{end}"))
     }
 
-    fn begin(&mut self) -> Result<&mut Writer, WriteError> {
+    /// Begins the file with the present number.
+    fn create_file(&self, continues: &str) -> Result<Writer, WriteError> {
         let mut options = self.options.clone();
         if !self.split.is_never() {
             options.description.insert(FILE_KEY.to_owned(), self.index.to_string());
         }
-        let writer = Writer::create(self.file(self.index), options)?;
-        self.begun = Instant::now();
-        self.there.clear();
-        Ok(self.writer.insert(writer))
+        if !continues.is_empty() {
+            options.description.insert(CONTINUES_KEY.to_owned(), continues.to_owned());
+        }
+        Writer::create(self.file(self.index), options)
     }
 
     /// Ends the file if it is time to.
@@ -127,12 +170,20 @@ impl Series {
             });
             bytes || time
         };
-        if writer.summary().recorded == 0 || !(is_over(0) || self.open.is_empty() && is_over(1)) {
+        // Those of files before may have lost their client.
+        let is_quiet = || self.open.values().all(|open| open.file < self.index);
+        if writer.summary().recorded == 0 || !(is_over(0) || is_over(1) && is_quiet()) {
             return Ok(());
         }
-        self.end()?;
-        self.open.clear();
+        let open = self.open.keys().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+        self.options.first = writer.sequence();
         self.index += 1;
+        // Before the last one is finished: a recorder that is killed leaves a file that shows it.
+        let next = self.create_file(&open);
+        self.end(self.index - 1, &open)?;
+        self.writer = Some(next?);
+        self.begun = Instant::now();
+        self.there.clear();
         let most = self.split.files.unwrap_or(usize::MAX).max(1);
         // The one that begins now counts.
         while self.files.len() >= most {
@@ -144,15 +195,23 @@ impl Series {
             }
             self.removed += 1;
         }
-        self.begin().map(drop)
+        Ok(())
     }
 
-    fn end(&mut self) -> Result<(), WriteError> {
-        let Some(writer) = self.writer.take() else { return Ok(()) };
-        self.options.first = writer.sequence();
+    /// Finishes a file; the replies to the requests in `continued` go on in the next.
+    fn end(&mut self, index: u64, continued: &str) -> Result<(), WriteError> {
+        let Some(mut writer) = self.writer.take() else { return Ok(()) };
+        if !continued.is_empty() {
+            writer.note_at_end(CONTINUED_KEY, continued.to_owned());
+        }
+        if !self.missing.is_empty() {
+            let names = self.missing.iter().map(ToString::to_string).collect::<Vec<_>>();
+            writer.note_at_end(MISSING_KEY, names.join(" "));
+            self.all_missing.append(&mut self.missing);
+        }
         self.bytes_before += writer.written();
         self.before = self.before.plus(writer.finish()?);
-        self.files.push_back(self.file(self.index));
+        self.files.push_back(self.file(index));
         Ok(())
     }
 
@@ -161,29 +220,52 @@ impl Series {
         Ok(self.writer.as_mut().expect("a file is open between its begin and its end"))
     }
 
+    /// No replies come.
+    pub fn expect_no_replies(&mut self) {
+        self.has_replies = false;
+    }
+
     /// Makes free spaces known that were sent before the recording begins.
     pub fn know(&mut self, uploads: Uploads) {
         self.uploads = uploads;
     }
 
+    /// The same for one, by the request that made it known.
+    pub fn know_one(&mut self, upload: &Request) {
+        self.uploads.note(upload);
+    }
+
     /// Appends a request; see [`Writer::write_request`]. A file that lacks the free space that the
-    /// request names gets it first, if it was recorded before.
+    /// request names gets it first, if that is known.
     pub fn write_request(&mut self, request: &Request, log_ns: u64) -> Result<(), WriteError> {
         self.split()?;
-        self.uploads.note(request);
-        let missing = self.uploads.missing(request, &mut self.there);
+        let lack = self.uploads.lack(request, &mut self.there);
+        let file = self.index;
         let writer = self.writer()?;
-        if let Some(upload) = missing {
-            writer.write_free_space(&upload, log_ns)?;
+        if let Lack::Upload(upload) = &lack {
+            writer.write_free_space(upload, log_ns)?;
         }
         writer.write_request(request, log_ns)?;
-        self.open.insert(request.key);
+        let lacks = if let Lack::Unknown(name) = lack { Some(name) } else { None };
+        if self.has_replies {
+            self.open.insert(request.key, Open { file, lacks });
+        }
+        if self.open.len() > MOST_OPEN {
+            self.open.pop_first();
+        }
         Ok(())
     }
 
     /// Appends a part of a reply; see [`Writer::write_reply`].
     pub fn write_reply(&mut self, part: &ReplyPart, log_ns: u64) -> Result<(), WriteError> {
         self.writer()?.write_reply(part, log_ns)?;
+        let lacks = self.open.get_mut(&part.key).and_then(|open| open.lacks.take());
+        // What the planner does not know either is not missing.
+        let is_known = !part
+            .content
+            .as_ref()
+            .is_err_and(|refusal| refusal.code == ErrorCode::UnknownFreeSpace);
+        self.missing.extend(lacks.filter(|_| is_known));
         if part.last {
             self.open.remove(&part.key);
         }
@@ -203,14 +285,22 @@ impl Series {
         Ok(())
     }
 
+    /// Notes how far the planner is; see [`Writer::heartbeat`].
+    pub fn heartbeat(&mut self, time_ns: u64, waiting: u64) {
+        if let Some(writer) = &mut self.writer {
+            writer.heartbeat(time_ns, waiting);
+            self.options.announced = Some((time_ns, writer.sequence().saturating_add(waiting)));
+        }
+    }
+
     /// Notes how far the planner is, and writes everything so far; see [`Writer::heartbeat`] and
     /// [`Writer::flush`].
     pub fn flush(&mut self, heartbeat: Option<(u64, u64)>) -> Result<(), WriteError> {
-        let writer = self.writer()?;
+        self.split()?;
         if let Some((time_ns, waiting)) = heartbeat {
-            writer.heartbeat(time_ns, waiting);
+            self.heartbeat(time_ns, waiting);
         }
-        writer.flush()
+        self.writer()?.flush()
     }
 
     /// What all files hold so far.
@@ -224,9 +314,10 @@ impl Series {
         self.bytes_before + self.writer.as_ref().map_or(0, Writer::written)
     }
 
-    /// Ends the last file. How many files there are, and how many were removed as the oldest.
-    pub fn finish(mut self) -> Result<(Summary, u64, u64), WriteError> {
-        self.end()?;
-        Ok((self.before, self.index + 1, self.removed))
+    /// Ends the last file.
+    pub fn finish(mut self) -> Result<Finished, WriteError> {
+        self.end(self.index, "")?;
+        let Self { before: summary, index, removed, all_missing: missing, .. } = self;
+        Ok(Finished { summary, files: index + 1, removed, missing })
     }
 }

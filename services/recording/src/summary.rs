@@ -27,25 +27,28 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The summary in the body of a metadata record, if it holds one.
-    pub(crate) fn parse(body: &[u8]) -> Option<Self> {
+    /// The summary in the body of a metadata record, if it holds one, and what is written beside it.
+    pub(crate) fn parse(body: &[u8]) -> Option<(Self, BTreeMap<String, String>)> {
         let mut fields = Fields(body);
         if fields.text()? != SUMMARY_NAME {
             return None;
         }
         let mut pairs = Fields(fields.block()?);
-        let mut summary = Self::default();
+        let (mut summary, mut notes) = (Self::default(), BTreeMap::new());
         while !pairs.0.is_empty() {
             let (name, value) = (pairs.text()?, pairs.text()?);
             let field = match name {
                 "recorded" => &mut summary.recorded,
                 "lost" => &mut summary.lost,
                 "gaps" => &mut summary.gaps,
-                _ => continue,
+                _ => {
+                    notes.insert(name.to_owned(), value.to_owned());
+                    continue;
+                }
             };
             *field = value.parse().ok()?;
         }
-        Some(summary)
+        Some((summary, notes))
     }
 
     /// Both together.

@@ -3,6 +3,7 @@
 mod conformance;
 mod mutations;
 mod recovery;
+mod series;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

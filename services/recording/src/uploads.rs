@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use schemas::codec;
-use schemas::message::{Digest, Request, RequestContent};
+use schemas::message::{Digest, FreeSpace, Request, RequestContent};
 
 /// The most memory that they take, bytes: those of the largest planners. The oldest are dropped.
 const MOST_BYTES: usize = 256 << 20;
@@ -19,6 +19,15 @@ pub struct Uploads {
     count: u64,
 }
 
+/// What a file lacks for a request.
+pub(crate) enum Lack {
+    Nothing,
+    /// A free space that is known.
+    Upload(Arc<Request>),
+    /// A free space of which only the name is known.
+    Unknown(Digest),
+}
+
 #[derive(Debug, Clone)]
 struct Upload {
     request: Arc<Request>,
@@ -27,9 +36,13 @@ struct Upload {
 }
 
 impl Uploads {
-    /// Keeps the request if it makes a free space known.
-    pub fn note(&mut self, request: &Request) {
-        let Some((name, true)) = name(request) else { return };
+    /// Keeps the request if it makes a free space known, and says whether it does.
+    pub fn note(&mut self, request: &Request) -> bool {
+        let Some(space) = named(request).filter(|space| !space.is_name_only()) else {
+            return false;
+        };
+        // A wrong name is refused.
+        let Some(name) = space.named.filter(|name| *name == space.digest()) else { return false };
         let bytes = codec::encode(request).len();
         let upload = Upload { request: Arc::new(request.clone()), bytes, number: self.count };
         self.count += 1;
@@ -37,29 +50,37 @@ impl Uploads {
         self.bytes -= self.known.insert(name, upload).map_or(0, |before| before.bytes);
         while self.bytes > MOST_BYTES {
             let oldest = self.known.iter().min_by_key(|(_, upload)| upload.number);
-            let Some(oldest) = oldest.map(|(name, _)| *name) else { return };
+            let Some(oldest) = oldest.map(|(name, _)| *name) else { break };
             self.bytes -= self.known.remove(&oldest).map_or(0, |before| before.bytes);
         }
+        true
     }
 
-    /// The upload that a file lacks in which the free spaces `there` are, and in which this request
-    /// comes next.
-    pub(crate) fn missing(
-        &self,
-        request: &Request,
-        there: &mut BTreeSet<Digest>,
-    ) -> Option<Arc<Request>> {
-        let (name, is_upload) = name(request)?;
-        if !there.insert(name) || is_upload {
-            return None;
+    /// Notes this request, and says what the file lacks for it in which it comes next and in which
+    /// the free spaces `there` are.
+    pub(crate) fn lack(&mut self, request: &Request, there: &mut BTreeSet<Digest>) -> Lack {
+        let Some(space) = named(request) else { return Lack::Nothing };
+        let name = space.named.expect("it has a name");
+        if self.note(request) {
+            there.insert(name);
         }
-        self.known.get(&name).map(|upload| Arc::clone(&upload.request))
+        if !space.is_name_only() || there.contains(&name) {
+            return Lack::Nothing;
+        }
+        match self.known.get(&name) {
+            Some(upload) => {
+                there.insert(name);
+                Lack::Upload(Arc::clone(&upload.request))
+            }
+            None => Lack::Unknown(name),
+        }
     }
 }
 
-/// The name of its free space, if it has one, and whether it carries that as well.
-fn name(request: &Request) -> Option<(Digest, bool)> {
-    let RequestContent::Scene(scene) = &request.content else { return None };
-    let space = &scene.free_space;
-    Some((space.named?, space.channels.is_some() || space.solids.is_some()))
+/// Its free space, if that has a name.
+fn named(request: &Request) -> Option<&FreeSpace> {
+    match &request.content {
+        RequestContent::Scene(scene) => Some(&scene.free_space).filter(|it| it.named.is_some()),
+        RequestContent::Unreadable { .. } => None,
+    }
 }

@@ -59,13 +59,16 @@ pub struct Writer<W: Write = NewFile> {
     is_marked: bool,
     /// The last time known; nanoseconds since the Unix epoch.
     time_ns: u64,
-    /// Messages that the planner has sent and that have not come here.
-    waiting: u64,
+    /// When the recorder last looked how far the planner is, and the number of the message that it
+    /// was to send next.
+    announced: Option<(u64, u64)>,
     /// Messages on the bus so far, lost ones included.
     sequence: u64,
     /// Whether the message before was lost.
     in_gap: bool,
     summary: Summary,
+    /// What is written beside it.
+    notes: BTreeMap<String, String>,
 }
 
 /// A channel for programs that know nothing of planning, such as viewers.
@@ -127,8 +130,8 @@ impl<W: Write> Writer<W> {
         options: Options,
         end: fn(W) -> Result<(), WriteError>,
     ) -> Result<Self, WriteError> {
-        let Options { overwrite: _, compression, chunk_bytes, sync: _, description, first, id } =
-            options;
+        let Options { overwrite: _, sync: _, compression, chunk_bytes, description, .. } = options;
+        let Options { first, announced, id, .. } = options;
         let id = match id {
             Some(id) => id,
             None => random().map_err(|error| io::Error::other(error.to_string()))?,
@@ -153,13 +156,14 @@ impl<W: Write> Writer<W> {
             name: DESCRIPTION_NAME.into(),
             metadata: summary::with_checksum(description),
         })?;
+        let (time_ns, next) = announced.unwrap_or((0, first));
         let mark = Mark {
             id,
             number: 0,
             offset: written.load(Ordering::Relaxed),
-            time_ns: 0,
+            time_ns,
             sequence: first,
-            announced: first,
+            announced: next.max(first),
             recorded: 0,
         };
         writer.write_private_record(mark::OPCODE, &mark.to_bytes(), Default::default())?;
@@ -192,10 +196,11 @@ impl<W: Write> Writer<W> {
             mark,
             is_marked: false,
             time_ns: 0,
-            waiting: 0,
+            announced,
             sequence: first,
             in_gap: false,
             summary: Summary::default(),
+            notes: BTreeMap::new(),
         };
         // In a chunk of their own: damage to messages does not take them along.
         writer.flush()?;
@@ -348,13 +353,15 @@ impl<W: Write> Writer<W> {
         }
         let written = Arc::clone(&self.written);
         let before = self.mark;
+        let (time_ns, announced) = self.announced.unwrap_or((self.time_ns, 0));
         let mut mark = Mark {
             id: before.id,
             number: before.number + 1,
             offset: 0,
-            time_ns: self.time_ns,
+            time_ns,
             sequence: self.sequence,
-            announced: self.sequence.saturating_add(self.waiting),
+            // What came since was sent.
+            announced: announced.max(self.sequence),
             recorded: self.summary.recorded,
         };
         self.state.run(|writer| {
@@ -367,10 +374,16 @@ impl<W: Write> Writer<W> {
     }
 
     /// Notes how many messages the planner has sent by `time_ns` (nanoseconds since the Unix
-    /// epoch) that have not come here yet. The next flush writes it into the file, even if nothing
-    /// else is new.
+    /// epoch) that have not come here yet. All marks from now on say so; the next flush writes one,
+    /// even if nothing else is new.
     pub fn heartbeat(&mut self, time_ns: u64, waiting: u64) {
-        (self.time_ns, self.waiting, self.is_marked) = (time_ns, waiting, false);
+        self.announced = Some((time_ns, self.sequence.saturating_add(waiting)));
+        self.is_marked = false;
+    }
+
+    /// Notes what is written beside the totals at the end.
+    pub fn note_at_end(&mut self, name: &str, value: String) {
+        self.notes.insert(name.to_owned(), value);
     }
 
     /// Bytes of the file so far, without the open chunk.
@@ -412,11 +425,10 @@ impl<W: Write> Writer<W> {
     pub fn finish(mut self) -> Result<Summary, WriteError> {
         let summary = self.summary;
         self.mark()?;
+        let mut metadata = std::mem::take(&mut self.notes);
+        metadata.append(&mut summary.to_metadata());
         self.state.run(|writer| {
-            writer.write_metadata(&Metadata {
-                name: SUMMARY_NAME.into(),
-                metadata: summary.to_metadata(),
-            })?;
+            writer.write_metadata(&Metadata { name: SUMMARY_NAME.into(), metadata })?;
             writer.finish().map(drop)
         })?;
         let State::Open(writer) = self.state else { unreachable!("a failure returned above") };

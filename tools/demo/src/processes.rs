@@ -8,6 +8,7 @@ use bus::{CallError, Domain, Server};
 use configuration::Config;
 use program::{Diagnostics, Exit, LogFormat};
 use recorder::{Ended, Settings};
+use recording::Finished;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::Error;
@@ -68,7 +69,8 @@ fn serve(domain: &Domain) -> Result<Exit, Error> {
 }
 
 fn record(domain: Domain, output: PathBuf) -> Result<Exit, Error> {
-    let Ended { summary, .. } = recorder::run(&Settings::new(output, domain))?;
+    let Ended { finished: Finished { summary, .. }, .. } =
+        recorder::run(&Settings::new(output, domain))?;
     Ok(if summary.lost == 0 { Exit::Done } else { Exit::Lost })
 }
 

@@ -10,7 +10,7 @@ use bus::Domain;
 use clap::{Parser, ValueEnum};
 use program::{Diagnostics, Exit, LogFormat, PrintError, warn};
 use recorder::{EndReason, Ended, Settings, Snapshot, Topic, Topics, size};
-use recording::{CHUNK_BYTES, Compression, FLUSH_INTERVAL, Split};
+use recording::{CHUNK_BYTES, Compression, FLUSH_INTERVAL, Finished, Split};
 use schemas::message::ErrorCode;
 
 /// Records all requests and replies of a planner to an MCAP file until a signal (SIGINT,
@@ -18,7 +18,7 @@ use schemas::message::ErrorCode;
 #[derive(Parser)]
 #[command(
     name = "recorder",
-    version,
+    version = program::VERSION,
     after_help = "\
 Examples:
   recorder -o run.mcap
@@ -95,6 +95,9 @@ struct Arguments {
         conflicts_with_all = ["split_size", "split_duration", "max_messages"]
     )]
     snapshot: Option<Duration>,
+    /// The most memory that it takes; beyond, the oldest messages go first [default: 256MiB]
+    #[arg(long, value_name = "SIZE", value_parser = size::parse, requires = "snapshot")]
+    snapshot_size: Option<u64>,
     /// Write it as well when a request is refused with one of these codes
     #[arg(long, value_name = "CODES", value_delimiter = ',', value_parser = code, requires = "snapshot")]
     snapshot_on: Vec<ErrorCode>,
@@ -119,6 +122,9 @@ enum TopicName {
     Reply,
     Status,
 }
+
+/// The most memory of a snapshot, bytes.
+const SNAPSHOT_BYTES: u64 = 256 << 20;
 
 fn chunk_size(text: &str) -> Result<u64, String> {
     let bytes = size::parse(text)?;
@@ -153,6 +159,7 @@ impl Arguments {
             max_files,
             min_free_space,
             snapshot,
+            snapshot_size,
             snapshot_on,
             wait,
             log_format: _,
@@ -189,7 +196,11 @@ impl Arguments {
                 files: max_files.map(|files| files as usize),
             },
             min_free: min_free_space,
-            snapshot: snapshot.map(|time| Snapshot { time, on: snapshot_on }),
+            snapshot: snapshot.map(|time| Snapshot {
+                time,
+                most_bytes: snapshot_size.unwrap_or(SNAPSHOT_BYTES),
+                on: snapshot_on,
+            }),
             ..Settings::new(output, domain.unwrap_or_default())
         }
     }
@@ -205,8 +216,13 @@ fn main() -> ExitCode {
 }
 
 fn run(settings: Settings) -> Result<Exit, Box<dyn Error>> {
-    let Ended { summary, files, removed, end } = recorder::run(&settings)?;
-    let mut exit = if summary.lost == 0 { Exit::Done } else { Exit::Lost };
+    let Ended { finished, end } = recorder::run(&settings)?;
+    let Finished { summary, files, removed, missing } = finished;
+    let is_whole = summary.lost == 0 && missing.is_empty();
+    let mut exit = if is_whole { Exit::Done } else { Exit::Lost };
+    for name in &missing {
+        warn(format_args!("recorder: requests name free space {name}, which is not recorded"));
+    }
     if let EndReason::NoSpace { free, least } = end {
         warn(format_args!("recorder: {free} bytes are free, {least} are to stay free"));
         exit = Exit::Failure;

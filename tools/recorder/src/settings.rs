@@ -115,6 +115,8 @@ impl FromIterator<Topic> for Topics {
 pub struct Snapshot {
     /// How long messages are kept.
     pub time: Duration,
+    /// The most memory that they take, bytes; beyond, the oldest go first.
+    pub most_bytes: u64,
     /// The refusals that have it written, beside SIGUSR1.
     pub on: Vec<ErrorCode>,
 }

@@ -7,19 +7,26 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use bus::TapMessage;
-use recording::{Options, Series, Split, Summary, Uploads, WriteError};
-use schemas::message::ErrorCode;
+use recording::{Finished, Options, Series, Split, Summary, Uploads, WriteError};
+use schemas::codec;
+use schemas::message::{Digest, ErrorCode, Request};
 
 use crate::progress::Written;
 use crate::settings::{Settings, Snapshot};
+use crate::size;
 
 /// What the taking thread hands over.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "nearly all are messages")]
 pub(crate) enum Taken {
     Message {
         message: TapMessage,
         log_ns: u64,
+        /// Messages that waited then, now and then.
+        waiting: Option<u64>,
+    },
+    /// A request before the recording that made a free space known.
+    FreeSpace {
+        request: Request,
     },
     Status {
         json: String,
@@ -34,6 +41,9 @@ pub(crate) enum Taken {
     },
     Snapshot,
 }
+
+/// Key in the description of a snapshot that has less than the time asked for.
+const SHORTENED_KEY: &str = "shortened";
 
 /// How often the disk is asked how much is free.
 const LOOK: Duration = Duration::from_millis(500);
@@ -64,12 +74,15 @@ impl Store {
             chunk_bytes: settings.chunk_bytes,
             sync: settings.sync,
             description,
-            first: 0,
-            id: None,
+            ..Options::default()
         };
         let target = match &settings.snapshot {
             None => {
-                Target::Files(Box::new(Series::create(&settings.output, options, settings.split)?))
+                let mut series = Series::create(&settings.output, options, settings.split)?;
+                if !settings.topics.replies {
+                    series.expect_no_replies();
+                }
+                Target::Files(Box::new(series))
             }
             Some(snapshot) => Target::Memory(Box::new(Ring::new(
                 &settings.output,
@@ -117,21 +130,34 @@ impl Store {
         self.written.is_full.store(is_full, Ordering::Relaxed);
     }
 
-    pub(crate) fn finish(self) -> Result<(Summary, u64, u64), WriteError> {
+    pub(crate) fn finish(self) -> Result<Finished, WriteError> {
         match self.target {
             Target::Files(series) => series.finish(),
-            Target::Memory(ring) => Ok((ring.stored, ring.files, 0)),
+            Target::Memory(ring) => Ok(Finished {
+                summary: ring.stored,
+                files: ring.files,
+                removed: 0,
+                missing: ring.missing,
+            }),
         }
     }
 }
 
 fn into_files(series: &mut Series, taken: Taken) -> Result<(), WriteError> {
     let written = match taken {
-        Taken::Message { message: TapMessage::Request(request), log_ns } => {
-            series.write_request(&request, log_ns)
+        Taken::Message { message, log_ns, waiting } => {
+            let written = match message {
+                TapMessage::Request(request) => series.write_request(&request, log_ns),
+                TapMessage::Reply(part) => series.write_reply(&part, log_ns),
+            };
+            if let Some(waiting) = waiting {
+                series.heartbeat(log_ns, waiting);
+            }
+            written
         }
-        Taken::Message { message: TapMessage::Reply(part), log_ns } => {
-            series.write_reply(&part, log_ns)
+        Taken::FreeSpace { request } => {
+            series.know_one(&request);
+            Ok(())
         }
         Taken::Status { json, log_ns } => series.write_status(&json, log_ns),
         Taken::Lost { messages } => series.lost(messages),
@@ -153,8 +179,14 @@ struct Ring {
     path: PathBuf,
     options: Options,
     time: Duration,
+    most_bytes: u64,
     on: Vec<ErrorCode>,
-    kept: VecDeque<(Instant, Taken)>,
+    kept: VecDeque<Kept>,
+    bytes: u64,
+    /// When the last message came that had to go before its time.
+    cut: Option<Instant>,
+    /// Where messages are measured.
+    scratch: Vec<u8>,
     uploads: Uploads,
     /// Whether requests are recorded.
     has_requests: bool,
@@ -164,6 +196,15 @@ struct Ring {
     stored: Summary,
     files: u64,
     bytes_written: u64,
+    /// Free spaces that none of them has.
+    missing: BTreeSet<Digest>,
+}
+
+/// Something kept in memory.
+struct Kept {
+    when: Instant,
+    bytes: u64,
+    taken: Taken,
 }
 
 impl Ring {
@@ -172,14 +213,19 @@ impl Ring {
             path: path.to_owned(),
             options,
             time: snapshot.time,
+            most_bytes: snapshot.most_bytes,
             on: snapshot.on.clone(),
             kept: VecDeque::new(),
+            bytes: 0,
+            cut: None,
+            scratch: Vec::new(),
             uploads: Uploads::default(),
             has_requests,
             is_due: false,
             stored: Summary::default(),
             files: 0,
             bytes_written: 0,
+            missing: BTreeSet::new(),
         }
     }
 
@@ -189,8 +235,8 @@ impl Ring {
 
     fn keep(&mut self, taken: Taken) -> Result<(), WriteError> {
         let now = Instant::now();
-        while self.kept.front().is_some_and(|(when, _)| now - *when > self.time) {
-            self.kept.pop_front();
+        while self.kept.front().is_some_and(|kept| now - kept.when > self.time) {
+            self.forget_oldest();
         }
         match taken {
             Taken::Snapshot => return self.write(),
@@ -205,10 +251,58 @@ impl Ring {
             Taken::Message { message: TapMessage::Request(ref request), .. } => {
                 self.uploads.note(request);
             }
+            Taken::FreeSpace { ref request } => {
+                self.uploads.note(request);
+                return Ok(());
+            }
             Taken::Status { .. } | Taken::Lost { .. } => {}
         }
-        self.kept.push_back((now, taken));
+        let bytes = self.size(&taken);
+        self.kept.push_back(Kept { when: now, bytes, taken });
+        self.bytes += bytes;
+        while self.bytes > self.most_bytes {
+            if self.cut.is_none() {
+                let (most, time) = (size::text(self.most_bytes), self.time);
+                tracing::warn!(
+                    "the messages of {time:?} take more than {most}; the oldest go first"
+                );
+            }
+            self.cut = self.forget_oldest();
+        }
         Ok(())
+    }
+
+    /// Forgets the oldest, and says when that came.
+    fn forget_oldest(&mut self) -> Option<Instant> {
+        let Kept { when, bytes, .. } = self.kept.pop_front()?;
+        self.bytes -= bytes;
+        Some(when)
+    }
+
+    /// The memory that it takes, bytes: itself, and its lists, which take as much as they do in a
+    /// file.
+    fn size(&mut self, taken: &Taken) -> u64 {
+        self.scratch.clear();
+        match taken {
+            Taken::Message { message: TapMessage::Request(request), .. } => {
+                codec::encode_into(request, &mut self.scratch);
+            }
+            Taken::Message { message: TapMessage::Reply(part), .. } => {
+                codec::encode_into(part, &mut self.scratch);
+            }
+            Taken::Status { json, .. } => self.scratch.extend(json.as_bytes()),
+            _ => {}
+        }
+        (size_of::<Kept>() + self.scratch.len()) as u64
+    }
+
+    /// What a snapshot that is shorter than asked for says of itself.
+    fn shortened(&self) -> Option<String> {
+        let cut = self.cut.filter(|cut| cut.elapsed() <= self.time)?;
+        let has = self.kept.front().map_or(Duration::ZERO, |kept| kept.when.elapsed());
+        let (most, time) = (size::text(self.most_bytes), self.time);
+        let (has, cut) = (has.as_secs_f64(), cut.elapsed().as_secs_f64());
+        Some(format!("{has:.3} s of {time:?}: what came {cut:.3} s ago took it beyond {most}"))
     }
 
     /// Writes what is kept into a file of its own.
@@ -216,10 +310,16 @@ impl Ring {
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let end = self.path.extension().unwrap_or("mcap".as_ref()).to_string_lossy();
         let path = self.path.with_file_name(format!("{stem}-{:04}.{end}", self.files));
-        let mut series = Series::create(&path, self.options.clone(), Split::default())?;
+        let mut options = self.options.clone();
+        if let Some(shortened) = self.shortened() {
+            tracing::warn!(output = %path.display(), "the snapshot has {shortened}");
+            options.description.insert(SHORTENED_KEY.to_owned(), shortened);
+        }
+        let mut series = Series::create(&path, options, Split::default())?;
         series.know(self.uploads.clone());
         let mut asked = BTreeSet::new();
-        for (_, taken) in self.kept.drain(..) {
+        (self.bytes, self.cut) = (0, None);
+        for Kept { taken, .. } in self.kept.drain(..) {
             match &taken {
                 Taken::Message { message: TapMessage::Request(request), .. } => {
                     asked.insert(request.key);
@@ -235,7 +335,8 @@ impl Ring {
             into_files(&mut series, taken)?;
         }
         self.bytes_written += series.written();
-        let (summary, ..) = series.finish()?;
+        let Finished { summary, mut missing, .. } = series.finish()?;
+        self.missing.append(&mut missing);
         self.stored = self.stored.plus(summary);
         self.files += 1;
         tracing::info!(output = %path.display(), messages = summary.recorded, "snapshot");

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bus::{ConnectError, StatusReader, TapEvent, TapMessage, TapReader};
-use recording::{Summary, WriteError};
+use recording::{Finished, WriteError};
 
 use crate::describe::describe;
 use crate::progress::{Progress, Written};
@@ -30,6 +30,9 @@ const INTRODUCTION: Duration = Duration::from_millis(500);
 
 /// How often the recorder looks whether the planner is there, and says that it is alive.
 const EVERY: Duration = Duration::from_secs(1);
+
+/// How often it looks how far the planner is while messages come, nanoseconds.
+const SAMPLE_NS: u64 = 1_000_000;
 
 /// How long at the end messages are waited for that the planner has counted and is sending.
 const LAST: Duration = Duration::from_millis(50);
@@ -67,14 +70,10 @@ pub enum EndReason {
 }
 
 /// A recording that has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ended {
-    /// What it holds.
-    pub summary: Summary,
-    /// Its files; for a snapshot, how many were written.
-    pub files: u64,
-    /// How many of them were removed as the oldest.
-    pub removed: u64,
+    /// What it holds; its files are the snapshots, if there are any.
+    pub finished: Finished,
     /// Why.
     pub end: EndReason,
 }
@@ -112,6 +111,7 @@ pub fn run(settings: &Settings) -> Result<Ended, Failure> {
         written,
         recorded: 0,
         lost: 0,
+        sampled_ns: 0,
         seen: None,
         is_told: false,
     };
@@ -144,13 +144,15 @@ struct Taker<'a> {
     status: Option<StatusReader>,
     /// None once the writing thread has ended, which it does by itself only if it failed.
     sender: Option<SyncSender<Taken>>,
-    storing: JoinHandle<Result<(Summary, u64, u64), WriteError>>,
+    storing: JoinHandle<Result<Finished, WriteError>>,
     /// Whether a signal asks for a snapshot.
     requested: Arc<AtomicBool>,
     progress: Progress,
     written: Arc<Written>,
     recorded: u64,
     lost: u64,
+    /// When the recorder last looked how far the planner is, while messages came.
+    sampled_ns: u64,
     /// When the planner was last seen; none before the first look.
     seen: Option<Instant>,
     is_told: bool,
@@ -176,12 +178,14 @@ impl Taker<'_> {
                 }
             }
             if flushed.elapsed() >= self.settings.flush || stop.is_some() && idle {
+                // First: what is sent meanwhile counts.
+                let time_ns = bus::now_ns();
                 let waiting = self.tap.waiting();
                 let now = (self.recorded + self.lost, waiting);
                 let is_news = beaten.is_none_or(|(at, before)| {
                     at.elapsed() >= EVERY || before != now.0 || waiting > 0
                 });
-                let heartbeat = is_news.then(|| (bus::now_ns(), waiting));
+                let heartbeat = is_news.then_some((time_ns, waiting));
                 beaten = if is_news { Some((Instant::now(), now.0)) } else { beaten };
                 self.send(Taken::Flush { heartbeat });
                 flushed = Instant::now();
@@ -216,8 +220,7 @@ impl Taker<'_> {
         self.progress.clear();
         drop(self.sender.take());
         let stored = self.storing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        let (summary, files, removed) = stored?;
-        Ok(Ended { summary, files, removed, end })
+        Ok(Ended { finished: stored?, end })
     }
 
     /// Whether the time is up, or a signal has come.
@@ -265,8 +268,12 @@ impl Taker<'_> {
             TapEvent::Message(TapMessage::Reply(_)) if !topics.replies => {}
             TapEvent::Message(message) => {
                 self.recorded += 1;
-                self.send(Taken::Message { message, log_ns });
+                let is_due = log_ns.saturating_sub(self.sampled_ns) >= SAMPLE_NS;
+                let waiting = is_due.then(|| self.tap.waiting());
+                self.sampled_ns = if is_due { log_ns } else { self.sampled_ns };
+                self.send(Taken::Message { message, log_ns, waiting });
             }
+            TapEvent::FreeSpace(request) => self.send(Taken::FreeSpace { request }),
             TapEvent::Lost { messages } => {
                 tracing::warn!(messages, "messages lost: they came too fast");
                 self.lost += messages;

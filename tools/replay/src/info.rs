@@ -46,6 +46,9 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         .map(|(count, what)| counted(count, what));
     line("lost", format!("{lost} in {gaps}"))?;
     line("broken", format!("{} requests or replies", contents.losses.len()))?;
+    for (name, requests) in &contents.missing_free_spaces {
+        line("missing", format!("free space {name}, {requests} requests"))?;
+    }
     line("checksums", contents.coverage.to_string())?;
     if let Some(beat) = contents.heartbeat.filter(|_| contents.summary.is_none()) {
         let waiting = contents.unrecorded();
@@ -75,13 +78,15 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         exchanges,
         clients,
         times_ns,
-        losses,
+        losses: _,
+        missing_free_spaces,
         missing: _,
         summary,
         skipped,
         statuses,
         coverage,
         heartbeat,
+        next_number: _,
         description,
         error,
     } = contents;
@@ -100,7 +105,8 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         "parts": parts,
         "lost": contents.lost(),
         "gaps": gaps(contents),
-        "incomplete": losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "incomplete": contents.incomplete().collect::<Vec<_>>(),
+        "missing_free_spaces": missing_free_spaces.keys().map(ToString::to_string).collect::<Vec<_>>(),
         "other_messages": skipped,
         "statuses": statuses,
         "bytes_of_messages": coverage.bytes,

@@ -55,9 +55,8 @@ fn suite(name: &str, cases: Vec<TestCase>, contents: &[&Contents]) -> TestSuite 
     suite.add_test_cases(cases);
     // What is wrong with the file itself stands beside the requests.
     let troubles = contents.iter().flat_map(|contents| {
-        let losses = contents.losses.iter().map(ToString::to_string);
         let error = contents.error.as_ref().map(ToString::to_string);
-        losses.chain(error).chain(missed(contents))
+        contents.incomplete().chain(error).chain(missed(contents))
     });
     for (index, trouble) in troubles.enumerate() {
         let status = status(NonSuccessKind::Error, trouble);

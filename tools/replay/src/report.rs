@@ -19,12 +19,11 @@ pub(crate) fn text(checked: &[Checked], out: &mut impl Write) -> io::Result<()> 
 
 /// What is wrong with a recording, a line each.
 pub(crate) fn troubles(contents: &Contents) -> impl Iterator<Item = String> {
-    let losses = &contents.losses;
-    let left = losses.len().saturating_sub(MOST_SHOWN);
+    let left = contents.incomplete().count().saturating_sub(MOST_SHOWN);
     let error = contents.error.as_ref().map(ToString::to_string);
     let uncovered = (!contents.coverage.is_whole()).then(|| contents.coverage.to_string());
     let error = error.into_iter().chain(uncovered);
-    let shown = losses.iter().take(MOST_SHOWN).map(ToString::to_string);
+    let shown = contents.incomplete().take(MOST_SHOWN);
     let more = (left > 0).then(|| format!("{left} more are incomplete"));
     error.chain(shown).chain(more).chain(missed(contents)).chain(unrecorded(contents))
 }

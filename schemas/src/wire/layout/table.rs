@@ -261,7 +261,8 @@ const SECTIONS: &[Section] = &[
         message's user header, then the message's payload"
         sequence: "number of the bus message; heartbeat: of the next one"
         time_ns: "nanoseconds since the Unix epoch"
-        kind (Codes(&["request", "reply part", "heartbeat"])): ""
+        kind (Codes(&["request", "reply part", "heartbeat"])): "heartbeat: without \
+            payload, or with a request that makes a free space known which the next one names"
         piece: "long messages are cut into pieces of one sequence number; bit 0: last piece, \
             above it the piece's number from 0"),
 ];

@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use bus::{Client, Domain, Server, ServerOptions, TapEvent, TapMessage, TapReader, Wait};
-use schemas::message::{Reply, ReplyAssembler, RequestContent, SceneRequest};
+use schemas::convert;
+use schemas::message::{Digest, Reply, ReplyAssembler, RequestContent, RequestKey, SceneRequest};
 
 use crate::process::Process;
 use crate::support::*;
@@ -174,4 +175,50 @@ fn a_recorder_that_hangs_slows_nobody() {
     assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", begin.elapsed());
     recorder.kill();
     let _another = TapReader::connect(&test.domain).expect("the place is free again");
+}
+
+#[test]
+fn each_recorder_is_shown_a_named_free_space_once() {
+    let test = TestDomain::new();
+    let mut bus = Bus::open(&test.domain, &ServerOptions::default());
+    let mut upload = scene(1, 1);
+    upload.free_space.channels = Some((0..3_000).map(|at| boxed(at.into(), 1e4)).collect());
+    let name = upload.free_space.digest();
+    upload.free_space.named = Some(name);
+    assert!(!bus.server.recorders_lack(name), "nobody listens");
+    let mut cells = Vec::new();
+    let header = convert::write_scene(&upload, RequestKey::default(), 7, &mut cells).unwrap();
+    assert!(cells.len() > 8_192, "it comes in pieces");
+    let mut taps = Vec::new();
+    for _ in 0..2 {
+        taps.push(TapReader::connect(&test.domain).unwrap());
+        assert!(bus.server.recorders_lack(name));
+        assert!(bus.server.recorders_lack(Digest([7; 32])));
+        bus.server.show_free_space(name, &header, &cells);
+        assert!(!bus.server.recorders_lack(name));
+        bus.call(&scene(2, 1));
+        for tap in &mut taps {
+            let events = drain(tap);
+            let [TapEvent::FreeSpace(shown), ..] = &events[..] else { panic!("{events:?}") };
+            assert_eq!(shown.content, RequestContent::Scene(upload.clone()));
+            // It is none of the messages that are counted.
+            assert_eq!((events.len(), messages(&events), lost(&events)), (3, 2, 0));
+            assert_eq!(tap.waiting(), 0);
+        }
+    }
+}
+
+#[test]
+fn a_free_space_that_would_push_messages_out_is_not_shown() {
+    let test = TestDomain::new();
+    let options = ServerOptions { tap_buffer: 4, ..ServerOptions::default() };
+    let mut bus = Bus::open(&test.domain, &options);
+    let mut tap = TapReader::connect(&test.domain).unwrap();
+    let mut upload = scene(1, 1);
+    upload.free_space.channels = Some((0..3_000).map(|at| boxed(at.into(), 1e4)).collect());
+    let mut cells = Vec::new();
+    let header = convert::write_scene(&upload, RequestKey::default(), 7, &mut cells).unwrap();
+    bus.call(&scene(2, 1));
+    bus.server.show_free_space(upload.free_space.digest(), &header, &cells);
+    assert_eq!(messages(&drain(&mut tap)), 2);
 }

@@ -53,7 +53,7 @@ impl From<&Trajectory> for Motion {
 
 /// The rows of a request.
 pub(crate) fn rows(asked: &Asked) -> Vec<Row> {
-    let Asked { index, request, reply, replied_ns, uploads: _ } = asked;
+    let Asked { index, request, reply, replied_ns, lacks_free_space: _, uploads: _ } = asked;
     let (id, task) = match &request.content {
         RequestContent::Scene(scene) => (scene.id, Some(scene.task)),
         RequestContent::Unreadable { .. } => (reply.as_ref().and_then(|reply| reply.id), None),
