@@ -1,27 +1,59 @@
-//! Writing 6.4 KB messages: a recording beside a plain buffered file and the bare `mcap` writer.
+//! Writing and reading recordings, beside a plain buffered file and the bare `mcap` writer with the
+//! same chunks and checksums. All take turns, so that the ratios of a round hold on a busy machine;
+//! printed are medians over the rounds.
+//!
+//! `cargo bench -p clearway-recording`
 
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
 
-use divan::Bencher;
-use divan::counter::{BytesCount, ItemsCount};
 use mcap::records::MessageHeader;
 use recording::{CHUNK_BYTES, Compression, Options, Reader, Writer};
+use rustix::time::{ClockId, clock_gettime};
 use schemas::codec;
 use schemas::message::{Clearance, ReplyPart, RequestKey, Sample, Trajectory};
 
-const MESSAGES: usize = 5_000;
+const ROUNDS: usize = 15;
+
+/// Bytes of messages in a file.
+const BYTES: usize = 32 << 20;
 
 const COMPRESSIONS: [Compression; 3] = [Compression::None, Compression::Lz4, Compression::Zstd];
 
+/// Samples of a message: 0.5, 6.4 and 32 kB.
+const SAMPLES: [u32; 3] = [4, 86, 445];
+
 fn main() {
-    divan::main();
+    let folder = tempfile::tempdir().expect("a place for files");
+    for samples in SAMPLES {
+        measure(&parts(samples), folder.path());
+    }
 }
 
-fn part() -> ReplyPart {
-    let sample = |at| Sample { t: f64::from(at) * 0.02, ..Sample::default() };
+/// Parts of replies, all different, and more of them than a chunk takes: else they would compress to
+/// nothing.
+fn parts(samples: u32) -> Vec<ReplyPart> {
+    let bytes = codec::encode(&part(samples, 0)).len();
+    (0..2 * CHUNK_BYTES as usize / bytes).map(|number| part(samples, number as u32)).collect()
+}
+
+/// A part whose samples are those of a motion along an arc, one of many.
+fn part(samples: u32, number: u32) -> ReplyPart {
+    let sample = |at: u32| {
+        let t = f64::from(at) * 0.02 + f64::from(number) * 0.77;
+        let (sin, cos) = t.sin_cos();
+        Sample {
+            t,
+            position: [3.0 + cos, 4.0 + sin, 0.0],
+            heading: t,
+            velocity: [-sin, cos, 0.0],
+            yaw_rate: 1.0,
+        }
+    };
     let clearance = Clearance { wall: [6.99, 1.0].into(), ..Clearance::default() };
     ReplyPart {
         key: RequestKey { client: 1, sequence: 2 },
@@ -34,120 +66,142 @@ fn part() -> ReplyPart {
         content: Ok(Trajectory {
             dimension: 2,
             clearance,
-            samples: (0..86).map(sample).collect(),
+            samples: (0..samples).map(sample).collect(),
             ..Trajectory::default()
         }),
     }
 }
 
-#[divan::bench(sample_count = 20)]
-fn plain_file(bencher: Bencher) {
-    let folder = tempfile::tempdir().unwrap();
-    let bytes = codec::encode(&part());
-    bencher
-        .counter(BytesCount::new(MESSAGES * bytes.len()))
-        .counter(ItemsCount::new(MESSAGES))
-        .bench_local(|| {
-            let mut file = BufWriter::with_capacity(
-                1 << 20,
-                File::create(folder.path().join("plain")).unwrap(),
-            );
-            for _ in 0..MESSAGES {
-                file.write_all(black_box(&bytes)).unwrap();
-            }
-            file.flush().unwrap();
-        });
-}
+/// What one way took, round by round: the time, and the time of the processor.
+#[derive(Default)]
+struct Took(Vec<(Duration, Duration)>);
 
-#[divan::bench(sample_count = 20)]
-fn plain_file_encoding(bencher: Bencher) {
-    let folder = tempfile::tempdir().unwrap();
-    let (part, mut bytes) = (part(), Vec::new());
-    bencher
-        .counter(BytesCount::new(MESSAGES * codec::encode(&part).len()))
-        .counter(ItemsCount::new(MESSAGES))
-        .bench_local(|| {
-            let mut file = BufWriter::with_capacity(
-                1 << 20,
-                File::create(folder.path().join("plain")).unwrap(),
-            );
-            for _ in 0..MESSAGES {
-                bytes.clear();
-                codec::encode_into(black_box(&part), &mut bytes);
-                file.write_all(&bytes).unwrap();
-            }
-            file.flush().unwrap();
-        });
-}
-
-/// The bare writer with the same chunks, checksums and channel.
-#[divan::bench(sample_count = 20, args = COMPRESSIONS)]
-fn bare_mcap(bencher: Bencher, compression: Compression) {
-    let folder = tempfile::tempdir().unwrap();
-    let (part, mut bytes) = (part(), Vec::new());
-    bencher
-        .counter(BytesCount::new(MESSAGES * codec::encode(&part).len()))
-        .counter(ItemsCount::new(MESSAGES))
-        .bench_local(|| {
-            let file = File::create(folder.path().join("bare.mcap")).unwrap();
-            let file = BufWriter::with_capacity(64 << 10, file);
-            let mut writer = mcap::WriteOptions::new()
-                .compression(match compression {
-                    Compression::None => None,
-                    Compression::Lz4 => Some(mcap::Compression::Lz4),
-                    Compression::Zstd => Some(mcap::Compression::Zstd),
-                })
-                .compression_level(u32::from(compression == Compression::Zstd))
-                .compression_threads(0)
-                .chunk_size(Some(CHUNK_BYTES))
-                .disable_seeking(true)
-                .create(mcap::write::NoSeek::new(file))
-                .unwrap();
-            let schema = writer.add_schema("reply", "bincode", b"words").unwrap();
-            let channel = writer.add_channel(schema, "/reply", "bincode", &BTreeMap::new());
-            let channel_id = channel.unwrap();
-            for at in 0..MESSAGES as u64 {
-                bytes.clear();
-                codec::encode_into(black_box(&part), &mut bytes);
-                let (log_time, publish_time) = (at, at);
-                let sequence = at as u32;
-                let header = MessageHeader { channel_id, sequence, log_time, publish_time };
-                writer.write_to_known_channel(&header, &bytes).unwrap();
-            }
-            writer.finish().unwrap();
-        });
-}
-
-#[divan::bench(sample_count = 20, args = COMPRESSIONS)]
-fn recording(bencher: Bencher, compression: Compression) {
-    let folder = tempfile::tempdir().unwrap();
-    let part = part();
-    bencher
-        .counter(BytesCount::new(MESSAGES * codec::encode(&part).len()))
-        .counter(ItemsCount::new(MESSAGES))
-        .bench_local(|| {
-            let path = folder.path().join("recording.mcap");
-            let options = Options { compression, ..Options::overwriting() };
-            let mut writer = Writer::create(path, options).unwrap();
-            for at in 0..MESSAGES as u64 {
-                writer.write_reply(black_box(&part), at).unwrap();
-            }
-            writer.finish().unwrap();
-        });
-}
-
-#[divan::bench(sample_count = 20)]
-fn reading(bencher: Bencher) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("recording.mcap");
-    let part = part();
-    let mut writer = Writer::create(&path, Options::default()).unwrap();
-    for at in 0..MESSAGES as u64 {
-        writer.write_reply(&part, at).unwrap();
+impl Took {
+    fn time(&mut self, work: impl FnOnce()) {
+        let processor = || {
+            let now = clock_gettime(ClockId::ThreadCPUTime);
+            Duration::new(now.tv_sec as u64, now.tv_nsec as u32)
+        };
+        let (begun, before) = (Instant::now(), processor());
+        work();
+        self.0.push((begun.elapsed(), processor() - before));
     }
-    writer.finish().unwrap();
-    bencher
-        .counter(BytesCount::new(MESSAGES * codec::encode(&part).len()))
-        .counter(ItemsCount::new(MESSAGES))
-        .bench_local(|| Reader::open(&path).unwrap().filter(|record| record.is_ok()).count());
+
+    /// The median of how many times as long as this the other took, in each round.
+    fn beside(&self, other: &Self) -> f64 {
+        let pairs = self.0.iter().zip(&other.0);
+        median(pairs.map(|(own, other)| other.0.as_secs_f64() / own.0.as_secs_f64()).collect())
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn measure(parts: &[ReplyPart], folder: &Path) {
+    let encoded = codec::encode(&parts[0]);
+    let messages = BYTES / encoded.len();
+    let mut raw = Took::default();
+    let mut bare = COMPRESSIONS.map(|_| Took::default());
+    let mut ours = COMPRESSIONS.map(|_| Took::default());
+    let mut read = COMPRESSIONS.map(|_| Took::default());
+    let mut sizes = [0; 3];
+    // A new file each time: to cut an old one costs as much as to write it.
+    let path = folder.join("file");
+    let remove = || std::fs::remove_file(&path).expect("it was written");
+    for _ in 0..ROUNDS {
+        raw.time(|| write_plain(&path, &encoded, messages));
+        remove();
+        for (index, compression) in COMPRESSIONS.into_iter().enumerate() {
+            bare[index].time(|| write_bare(&path, parts, messages, compression));
+            remove();
+            ours[index].time(|| write(&path, parts, messages, compression));
+            sizes[index] = path.metadata().expect("it was written").len();
+            read[index].time(|| {
+                let mut count = 0;
+                for record in Reader::open(&path).expect("it was written") {
+                    black_box(record).expect("it is whole");
+                    count += 1;
+                }
+                assert_eq!(count, messages);
+            });
+            remove();
+        }
+    }
+    println!(
+        "\n{messages} messages of {} bytes{:>16} {:>9} {:>9} {:>12} {:>9}",
+        encoded.len(),
+        "MB/s",
+        "of raw",
+        "of bare",
+        "CPU, µs each",
+        "size"
+    );
+    let line = |what: &str, took: &Took, bare: Option<&Took>, size: u64| {
+        let times = |which: fn(&(Duration, Duration)) -> Duration| {
+            median(took.0.iter().map(|took| which(took).as_secs_f64()).collect())
+        };
+        let rate = (messages * encoded.len()) as f64 / times(|took| took.0) / 1e6;
+        let each = times(|took| took.1) / messages as f64 * 1e6;
+        let percent = |ratio: f64| format!("{:.0} %", 100.0 * ratio);
+        let (of_raw, of_bare) = (percent(took.beside(&raw)), bare.map(|bare| took.beside(bare)));
+        let of_bare = of_bare.map_or(String::new(), percent);
+        let size = percent(size as f64 / (messages * encoded.len()) as f64);
+        println!("{what:<40} {rate:>9.0} {of_raw:>9} {of_bare:>9} {each:>12.2} {size:>9}");
+    };
+    line("raw", &raw, None, (messages * encoded.len()) as u64);
+    for (index, compression) in COMPRESSIONS.into_iter().enumerate() {
+        let size = sizes[index];
+        line(&format!("mcap, {compression:?}"), &bare[index], None, size);
+        line(&format!("a recording, {compression:?}"), &ours[index], Some(&bare[index]), size);
+        line(&format!("reading it, {compression:?}"), &read[index], None, size);
+    }
+}
+
+fn write_plain(path: &Path, bytes: &[u8], messages: usize) {
+    let mut file = BufWriter::with_capacity(1 << 20, File::create(path).expect("a new file"));
+    for _ in 0..messages {
+        file.write_all(black_box(bytes)).expect("there is room");
+    }
+    file.flush().expect("there is room");
+}
+
+fn write_bare(path: &Path, parts: &[ReplyPart], messages: usize, compression: Compression) {
+    let file = BufWriter::with_capacity(64 << 10, File::create(path).expect("a new file"));
+    let mut writer = mcap::WriteOptions::new()
+        .compression(match compression {
+            Compression::None => None,
+            Compression::Lz4 => Some(mcap::Compression::Lz4),
+            Compression::Zstd => Some(mcap::Compression::Zstd),
+        })
+        .compression_level(u32::from(compression == Compression::Zstd))
+        .compression_threads(0)
+        .chunk_size(Some(CHUNK_BYTES))
+        .disable_seeking(true)
+        .create(mcap::write::NoSeek::new(file))
+        .expect("there is room");
+    let schema = writer.add_schema("reply", "bincode", b"words").expect("there is room");
+    let channel = writer.add_channel(schema, "/reply", "bincode", &BTreeMap::new());
+    let channel_id = channel.expect("there is room");
+    let mut bytes = Vec::new();
+    for at in 0..messages as u64 {
+        bytes.clear();
+        codec::encode_into(black_box(&parts[at as usize % parts.len()]), &mut bytes);
+        let (log_time, publish_time, sequence) = (at, at, at as u32);
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time };
+        writer.write_to_known_channel(&header, &bytes).expect("there is room");
+    }
+    writer.finish().expect("there is room");
+}
+
+fn write(path: &Path, parts: &[ReplyPart], messages: usize, compression: Compression) {
+    let options = Options { compression, ..Options::default() };
+    let mut writer = Writer::create(path, options).expect("a new file");
+    for at in 0..messages as u64 {
+        writer
+            .write_reply(black_box(&parts[at as usize % parts.len()]), at)
+            .expect("there is room");
+    }
+    writer.finish().expect("there is room");
 }

@@ -119,7 +119,10 @@ impl NewFile {
         if !is_new && !overwrite {
             return Err(WriteError::Unfinished { path: part });
         }
-        file.set_len(0).map_err(failed)?;
+        if !is_new {
+            // Only then: ext4 writes what was cut to disk when it is closed, and not in its own time.
+            file.set_len(0).map_err(failed)?;
+        }
         let found = file.metadata().map_err(failed)?;
         Ok(with(file, part, Some((found.dev(), found.ino()))))
     }
