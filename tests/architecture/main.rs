@@ -56,6 +56,7 @@ fn dependencies_run_one_way() {
         // What users build on; plans in its example.
         ("client", vec!["bus", "schemas", "answer"]),
         // The same in other languages.
+        ("c", vec!["client"]),
         ("python", vec!["client", "recording", "schemas"]),
         ("recording", vec!["schemas"]),
         ("floor-plan", vec!["schemas"]),

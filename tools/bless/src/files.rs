@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use integration_tests::root;
 
 use crate::pictures::picture;
-use crate::{Error, figures, tables};
+use crate::{Error, figures, header, tables, wire};
 
 /// A generated file, or one with a generated block.
 pub(crate) struct File {
@@ -40,6 +40,9 @@ pub(crate) const FILES: &[File] = &[
     whole("docs/drive-a.svg", || picture("drive-a.json")),
     whole("docs/drive-b.svg", || picture("drive-b.json")),
     block("docs/driving.md", "corridors", tables::corridors),
+    block("docs/wire.md", "layout", wire::layout),
+    block("docs/wire.md", "services", wire::services),
+    whole("services/clients/c/include/clearway.h", header::c),
     whole("docs/figures/channels.svg", figures::channels::figure),
     whole("docs/figures/guiding-circle.svg", figures::guiding_circle::figure),
     whole("docs/figures/profile.svg", figures::profile::figure),

@@ -3,10 +3,12 @@
 mod corpora;
 mod figures;
 mod files;
+mod header;
 mod pictures;
 mod planned;
 mod recordings;
 mod tables;
+mod wire;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,148 @@
+//! Plain values.
+
+use std::ffi::c_char;
+
+/// How a call ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub enum Status {
+    /// Done.
+    Ok = 0,
+    /// An argument is NULL, not UTF-8 or out of range.
+    InvalidArgument = 1,
+    /// No planner runs in the domain.
+    NoPlanner = 2,
+    /// The planner can't be reached.
+    NotConnected = 3,
+    /// The planner refuses, and says what would have to change: clearway_error_refusal.
+    Refused = 4,
+    /// No reply came in time.
+    TimedOut = 5,
+    /// The planner ended before it replied.
+    PlannerLost = 6,
+    /// The client was connected before this process was forked.
+    Forked = 7,
+    /// The request was sent, and no reply came, for another reason.
+    Failed = 8,
+}
+
+/// A state of the motion.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Sample {
+    /// Seconds from the beginning of the motion.
+    pub t: f64,
+    /// Metres; unused coordinates are 0. Of parts the displacement from the assembled state, of
+    /// robots the reference point.
+    pub position: [f64; 3],
+    /// Radians counter-clockwise from +x, in (-pi, pi].
+    pub heading: f64,
+    /// Metres per second.
+    pub velocity: [f64; 3],
+    /// Radians per second.
+    pub yaw_rate: f64,
+}
+
+/// Samples that follow each other.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Samples {
+    /// The first; never NULL.
+    pub data: *const Sample,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// What a trajectory says beside its lists. Metres and seconds.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Summary {
+    /// Arc length.
+    pub length: f64,
+    /// Seconds.
+    pub duration: f64,
+    /// Exact least distance of the body to the walls; infinite without walls.
+    pub clearance: f64,
+    /// Arc length where that is met.
+    pub clearance_at: f64,
+    /// The wall point there.
+    pub clearance_wall: [f64; 3],
+    /// Length of the shortest curve with the same free clearance; NaN if it is not reported.
+    pub bound: f64,
+    /// Free clearance; NaN if it is not reported.
+    pub free_clearance: f64,
+    /// Coordinates of positions: 2 or 3.
+    pub dimension: u32,
+    /// Whether the search ended by itself and not because its budget was spent.
+    pub complete: bool,
+}
+
+/// The kinds of legs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub enum LegKind {
+    /// A straight line.
+    Line = 0,
+    /// A part of a circle.
+    Arc = 1,
+    /// A turn in place.
+    Turn = 2,
+}
+
+/// A piece of a path. Metres; radians counter-clockwise from +x. What its kind does not have is 0.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Leg {
+    /// Which kind.
+    pub kind: LegKind,
+    /// Whether the robot drives it backwards.
+    pub reverse: bool,
+    /// Table of the rule that chose it, 0 for none.
+    pub table: u16,
+    /// Number of the rule in it.
+    pub number: u16,
+    /// The junction it leads to or turns in, counted from 0 in travel order; -1 for none.
+    pub junction: i64,
+    /// Arc length.
+    pub length: f64,
+    /// Exact least distance to the walls on it; infinite without walls.
+    pub clearance: f64,
+    /// Line: from. Arc: centre. Turn: position.
+    pub point: [f64; 3],
+    /// Line: to.
+    pub to: [f64; 3],
+    /// Arc: radius.
+    pub radius: f64,
+    /// Arc: angle from the centre to the arriving point. Turn: heading before.
+    pub start: f64,
+    /// Line: heading at its end. Turn: heading after.
+    pub heading: f64,
+    /// Arc, turn: signed angle, positive to the left. Line: signed angle turned on the way.
+    pub sweep: f64,
+}
+
+/// A refusal. Texts live as long as the error; what does not apply is NULL, NaN or -1.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Refusal {
+    /// Its code, such as "junction_too_small".
+    pub code: *const c_char,
+    /// The field of the scene that is at fault, as a path.
+    pub field: *const c_char,
+    /// The setting of the planner whose limit was met.
+    pub setting: *const c_char,
+    /// The junction, counted from 0 in travel order.
+    pub junction: i64,
+    /// The axis: 0 x, 1 y, 2 z.
+    pub axis: i32,
+    /// What would be needed.
+    pub needs: f64,
+    /// What there is.
+    pub has: f64,
+    /// The bound below, itself excluded.
+    pub least: f64,
+    /// The bound above.
+    pub most: f64,
+    /// The heading that would be free, radians.
+    pub heading: f64,
+}
