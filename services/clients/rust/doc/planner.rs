@@ -1,14 +1,14 @@
 // A planner in this process, for the example of the first page.
 
 /// Answers requests until it is dropped.
-struct Planner {
+pub struct Planner {
     domain: clearway_client::Domain,
     ended: std::sync::Arc<std::sync::atomic::AtomicBool>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
 impl Planner {
-    fn start() -> Self {
+    pub fn start() -> Self {
         let name = format!("first-page-{}", std::process::id());
         let domain = clearway_client::Domain::new(&name).unwrap();
         let ended = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
@@ -36,7 +36,7 @@ impl Planner {
         Self { domain, ended, thread: Some(thread) }
     }
 
-    fn domain(&self) -> clearway_client::Domain {
+    pub fn domain(&self) -> clearway_client::Domain {
         self.domain.clone()
     }
 }

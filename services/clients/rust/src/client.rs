@@ -1,13 +1,13 @@
 //! Connections to a planner, and requests over them.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use bus::{CallError, Domain, Origin, Wait};
+use bus::{CallError, Domain};
 
 use crate::error::Error;
 use crate::pending::Pending;
+use crate::pool::{ClientOptions, Pool};
 use crate::reply::Reply;
 use crate::scene::Scene;
 
@@ -29,25 +29,6 @@ pub struct Client {
     pool: Arc<Pool>,
 }
 
-/// How a client connects and waits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct ClientOptions {
-    /// How it waits for replies; by default it spins for 50 µs, then sleeps.
-    pub wait: Wait,
-    /// How long it waits for a planner that is not there yet; by default not at all.
-    pub patience: Duration,
-}
-
-#[derive(Debug)]
-pub(crate) struct Pool {
-    domain: Domain,
-    options: ClientOptions,
-    idle: Mutex<Vec<bus::Client>>,
-    /// How many of those are kept.
-    kept: AtomicUsize,
-    origin: Origin,
-}
-
 impl Client {
     /// Connects to the planner of a domain.
     pub fn connect(domain: &Domain) -> Result<Self, Error> {
@@ -58,15 +39,7 @@ impl Client {
     pub fn connect_with(domain: &Domain, options: ClientOptions) -> Result<Self, Error> {
         bus::leave_signals_alone();
         let first = bus::Client::connect_within(domain, options.wait, options.patience)?;
-        let idle = Mutex::new(vec![first]);
-        let pool = Pool {
-            domain: domain.clone(),
-            options,
-            idle,
-            kept: AtomicUsize::new(KEPT),
-            origin: Origin::new(),
-        };
-        Ok(Self { pool: Arc::new(pool) })
+        Ok(Self { pool: Arc::new(Pool::new(domain, options, first, KEPT)) })
     }
 
     /// Connects in advance, so that `count` requests can be open at a time. Connecting takes
@@ -77,19 +50,19 @@ impl Client {
         for _ in 0..count {
             taken.push(self.pool.take()?);
         }
-        self.pool.kept.fetch_max(count, Ordering::Relaxed);
+        self.pool.keep(count);
         taken.into_iter().for_each(|connection| self.pool.put(connection));
         Ok(())
     }
 
     /// Whether a connection is free, so that [`Client::start`] need not connect.
     pub fn is_ready(&self) -> bool {
-        !self.pool.idle.lock().unwrap_or_else(PoisonError::into_inner).is_empty()
+        self.pool.has_idle()
     }
 
     /// The domain.
     pub fn domain(&self) -> &Domain {
-        &self.pool.domain
+        self.pool.domain()
     }
 
     /// Plans a scene. If no reply comes within `limit`, the request is cancelled.
@@ -171,32 +144,5 @@ impl Client {
         let connection = self.pool.take()?;
         let sent = connection.send_cells(scene.shortest().header, &scene.shortest().cells)?;
         Ok(Pending::new(sent, connection, scene, &self.pool))
-    }
-}
-
-impl Pool {
-    /// A connection that nobody uses.
-    fn take(&self) -> Result<bus::Client, Error> {
-        if self.origin.is_forked() {
-            return Err(CallError::Forked.into());
-        }
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(connection) = idle.pop() {
-            return Ok(connection);
-        }
-        drop(idle);
-        let ClientOptions { wait, patience } = self.options;
-        Ok(bus::Client::connect_within(&self.domain, wait, patience)?)
-    }
-
-    /// Keeps a connection for the next request.
-    pub(crate) fn put(&self, connection: bus::Client) {
-        if self.origin.is_forked() {
-            return;
-        }
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        if idle.len() < self.kept.load(Ordering::Relaxed) {
-            idle.push(connection);
-        }
     }
 }

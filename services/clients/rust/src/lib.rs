@@ -7,8 +7,8 @@
 //!
 //! use clearway_client::{Client, Domain, Scene};
 //!
-//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/planner.rs"));
-//! # let planner = Planner::start();
+//! # mod planner { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/planner.rs")); }
+//! # let planner = planner::Planner::start();
 //! # let domain = planner.domain();
 //! # const _: &str = stringify! {
 //! let domain = Domain::default();
@@ -31,7 +31,7 @@
 //!     }
 //! }
 //! # assert!(reply.is_shared());
-//! # assert_eq!(format!("{:.2}", reply.trajectories()?[0].length()), "7.42");
+//! # assert_eq!(format!("{:.2}", reply.trajectories()?[0].length()), "7.40");
 //! # Ok::<(), clearway_client::Error>(())
 //! ```
 //!
@@ -47,15 +47,17 @@ mod error;
 mod future;
 mod gather;
 mod pending;
+mod pool;
 mod reply;
 mod scene;
 
 pub use bus::{CallError, ConnectError, Domain, DomainError, Wait};
-pub use client::{Client, ClientOptions};
+pub use client::Client;
 pub use error::{Error, Refused};
 #[cfg(feature = "async")]
 pub use future::Planning;
 pub use pending::Pending;
+pub use pool::ClientOptions;
 pub use reply::{Answer, Block, Reply, Trajectory};
 pub use scene::Scene;
 /// Scenes and the parts of trajectories as values.

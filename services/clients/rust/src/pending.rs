@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use bus::CallError;
 use schemas::message::ErrorCode;
 
-use crate::client::Pool;
 use crate::error::{Error, Refused};
 use crate::gather::Gatherer;
+use crate::pool::Pool;
 use crate::reply::Reply;
 use crate::scene::Scene;
 
