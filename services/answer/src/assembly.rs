@@ -307,6 +307,11 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 course
                     .follow(graph.channels(), router.route(), body, exit, budget)
                     .map_err(|error| refuse::chain(axes, error))?;
+                if let Source::Solids(cut) = source
+                    && let Some(mouth) = cut.mouth(exit)
+                {
+                    course.set_mouth(mouth);
+                }
             }
         }
         // All other walls are the channels' own sides.

@@ -268,7 +268,8 @@ impl Margin {
     }
 }
 
-/// Definition 3.2 with equality: the last side of the body exactly at the mouth.
+/// Definition 3.2 with equality: the last side of the body exactly at the mouth, or where it is
+/// if that is beyond.
 pub(crate) fn out_of_the_mouth<const D: usize>(
     (body_min, body_max): (&Vector<D>, &Vector<D>),
     mouth: &HalfSpace,
@@ -280,7 +281,11 @@ pub(crate) fn out_of_the_mouth<const D: usize>(
         Sign::Positive => body_max[axis],
     };
     let mut to = from;
-    to[axis] = mouth.bound - last_side;
+    let out = mouth.bound - last_side;
+    to[axis] = match mouth.side.sign {
+        Sign::Negative => out.max(from[axis]),
+        Sign::Positive => out.min(from[axis]),
+    };
     to
 }
 

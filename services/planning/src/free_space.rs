@@ -108,6 +108,8 @@ pub struct Chain<const D: usize> {
     possible: Vec<u8>,
     junctions: Vec<Junction<D>>,
     exit: Option<Direction>,
+    /// Where everything beyond is free, if the last channel reaches farther.
+    mouth: Option<HalfSpace>,
 }
 
 impl<const D: usize> Chain<D> {
@@ -164,10 +166,16 @@ impl<const D: usize> Chain<D> {
         self.exit
     }
 
-    /// The half-space up to where the last channel ends along the exit. Outside it everything
-    /// is free (definition 3.2, read as the mouth of the last channel).
+    /// The half-space up to where the last channel ends along the exit, or to the mouth in it.
+    /// Outside it everything is free (definition 3.2, read as the mouth of the last channel).
     pub fn mouth(&self) -> Option<HalfSpace> {
-        Some(mouth_of(self.channels.last()?, self.exit?))
+        self.mouth.or_else(|| Some(mouth_of(self.channels.last()?, self.exit?)))
+    }
+
+    /// Puts the mouth into the last channel, which goes on beyond the walls: a body that sticks
+    /// out of them needs a channel that holds it.
+    pub fn set_mouth(&mut self, mouth: HalfSpace) {
+        self.mouth = Some(mouth);
     }
 
     fn clear(&mut self) {
@@ -175,7 +183,7 @@ impl<const D: usize> Chain<D> {
         self.axes.clear();
         self.possible.clear();
         self.junctions.clear();
-        self.exit = None;
+        (self.exit, self.mouth) = (None, None);
     }
 
     fn try_build(

@@ -80,6 +80,11 @@ impl<const D: usize> Course<D> {
         self.chain.build(&self.travelled, &body.bounds().center(), End::Exit(exit), budget)
     }
 
+    /// Puts the mouth into the last channel.
+    pub(super) fn set_mouth(&mut self, mouth: HalfSpace) {
+        self.chain.set_mouth(mouth);
+    }
+
     /// Where the last channel is left.
     pub(super) fn mouth(&self) -> Option<HalfSpace> {
         self.chain.mouth()

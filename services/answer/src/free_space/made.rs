@@ -5,7 +5,7 @@ use std::sync::Arc;
 use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
 use planning::free_space::walls::Walls;
-use planning::geometry::{AxisBox, Direction, Vector};
+use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
 
 use crate::answers::Resources;
 use crate::cache::Kind;
@@ -56,6 +56,11 @@ impl<const D: usize> Cut<'_, D> {
     /// those of its solids.
     pub(crate) fn cavity(&self, body: &AxisBox<D>, exit: Direction) -> Option<AxisBox<D>> {
         self.bounds.or_else(|| self.solids.cavity(body, exit))
+    }
+
+    /// The mouth of such a cavity, if the bounds are those of the solids.
+    pub(crate) fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
+        if self.bounds.is_some() { None } else { self.solids.mouth(exit) }
     }
 
     /// Makes channels: all maximal boxes within `bounds` that are larger than `room` (metres).

@@ -1,9 +1,10 @@
 //! Channels from solids: the maximal free boxes between them.
 
 use crate::budget::{Budget, Cap, Spent};
+use crate::free_space::mouth_of;
 use crate::geometry::number::Number;
 use crate::geometry::polygon::Polygon;
-use crate::geometry::{AxisBox, Direction, Sign, Vector};
+use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use sweep::Sweep;
 use thiserror::Error;
 
@@ -110,8 +111,8 @@ impl<const D: usize> Solids<D> {
     /// The bounds for the channels of a cavity that `body` leaves along `exit`:
     /// [`Solids::bounds`], whose side towards the exit is the mouth.
     ///
-    /// If the body reaches the mouth or sticks out of it, the mouth moves out to one length of
-    /// the body beyond it, since a channel must be larger than the body.
+    /// If the body reaches the mouth or sticks out of it, they end one length of the body beyond
+    /// it, since a channel must be larger than the body. The mouth stays where it is.
     pub fn cavity(&self, body: &AxisBox<D>, exit: Direction) -> Option<AxisBox<D>> {
         let bounds = self.bounds()?;
         let (mut min, mut max) = (bounds.min(), bounds.max());
@@ -127,6 +128,11 @@ impl<const D: usize> Solids<D> {
             _ => {}
         }
         AxisBox::new(min, max).ok()
+    }
+
+    /// Where a cavity between the solids ends along `exit`: outside it there is none of them.
+    pub fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
+        Some(mouth_of(&self.bounds()?, exit))
     }
 
     /// The memory that it holds, bytes.
