@@ -2,7 +2,7 @@
 
 use answer::{Caps, reply_to};
 use schemas::json::read_scene;
-use schemas::message::{Request, RequestContent, RequestKey, Trajectory};
+use schemas::message::{ErrorCode, Refusal, Request, RequestContent, RequestKey, Trajectory};
 
 /// The answer for a body, given by its least and greatest corner, that leaves a hole from z = 1 to
 /// z = 4 in a block, seen in a frame in which `exit` is up.
@@ -20,14 +20,18 @@ fn answer(task: &str, exit: &str, body: [[f64; 2]; 2]) -> Trajectory {
     };
     let block = [[[0.0, 0.0], [4.0, 1.0]], [[0.0, 0.0], [1.0, 4.0]], [[3.0, 0.0], [4.0, 4.0]]];
     let solids = block.map(hull).join(", ");
+    plan(task, exit, &format!(r#"{{"solids": [{solids}]}}"#), &hull(body)).unwrap()
+}
+
+/// The only answer to a scene of which free space and body are JSON.
+fn plan(task: &str, exit: &str, free_space: &str, body: &str) -> Result<Trajectory, Refusal> {
     let scene = read_scene(&format!(
-        r#"{{ "task": "{task}", "free_space": {{ "solids": [{solids}] }}, "exit": "{exit}",
-            "body": {}, "clearance": {{ "gap": 0.1 }}, "sampling": {{ "count": 5 }} }}"#,
-        hull(body)
+        r#"{{ "task": "{task}", "free_space": {free_space}, "exit": "{exit}",
+            "body": {body}, "clearance": {{ "gap": 0.1 }}, "sampling": {{ "count": 5 }} }}"#
     ));
     let content = RequestContent::Scene(scene.unwrap());
     let request = Request { key: RequestKey::default(), sent_ns: 0, content };
-    reply_to(&request, &Caps::default()).answers.unwrap().remove(0).unwrap()
+    reply_to(&request, &Caps::default()).answers?.remove(0)
 }
 
 #[test]
@@ -49,6 +53,23 @@ fn half_drawn_pin_goes_on_from_where_it_is() {
     assert_eq!(found.length, 0.5);
     let last = found.samples.last().unwrap();
     assert_eq!(last.position.as_slice(), [0.0, 0.5, 0.0]);
+}
+
+#[test]
+fn half_drawn_pin_leaves_a_channel_that_is_given() {
+    for order in [", \"in_order\": true", ""] {
+        for (exit, body) in [("+z", [[1.0, 3.5], [2.0, 5.0]]), ("-z", [[1.0, -1.0], [2.0, 0.5]])] {
+            let [min, max] = body;
+            let free = format!(r#"{{"channels": [{{"min": [0,0], "max": [3,4]}}]{order}}}"#);
+            let body = format!(r#"{{"box": {{"min": {min:?}, "max": {max:?}}}}}"#);
+            let found = plan("disassemble", exit, &free, &body).unwrap();
+            assert_eq!((found.length, found.clearance.value), (0.5, 1.0), "{found:?}");
+            // Out of the other end it does not stick.
+            let other = if exit == "+z" { "-z" } else { "+z" };
+            let refusal = plan("disassemble", other, &free, &body).unwrap_err();
+            assert_eq!(refusal.code, ErrorCode::BodyOutsideFreeSpace);
+        }
+    }
 }
 
 #[test]

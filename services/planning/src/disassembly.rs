@@ -158,7 +158,8 @@ impl<const D: usize> DisassemblyPath<D> {
 
 /// Finds the path of `body` (its bounding box in the assembled state) through `chain`, built
 /// from the body's centre to an exit: into every junction by its rule of Table 1, then out
-/// along the exit until the last side of the body is at the mouth (definition 3.2).
+/// along the exit until the last side of the body is at the mouth (definition 3.2). In its only
+/// channel a body may stick out of the mouth.
 ///
 /// ```
 /// use planning::budget::Budget;
@@ -199,7 +200,7 @@ pub fn disassemble<const D: usize>(
     let (Some(first), Some(mouth)) = (chain.channels().first(), chain.mouth()) else {
         return Err(DisassemblyError::NoChannels);
     };
-    check_inside(first, body)?;
+    check_inside(&within_reach(chain, first), body)?;
     find_limits(chain, body, &mut path.limits)?;
     find_gaps(gap, &path.limits, &mut path.gaps)?;
 
@@ -289,17 +290,29 @@ pub(crate) fn out_of_the_mouth<const D: usize>(
     to
 }
 
+/// The first channel, without an end at the mouth: beyond it everything is free.
+fn within_reach<const D: usize>(chain: &Chain<D>, first: &AxisBox<D>) -> [Vector<D>; 2] {
+    let (mut least, mut greatest) = (first.min(), first.max());
+    if let (Some(exit), [_]) = (chain.exit(), chain.channels()) {
+        match exit.sign {
+            Sign::Positive => greatest[exit.axis] = f64::INFINITY,
+            Sign::Negative => least[exit.axis] = f64::NEG_INFINITY,
+        }
+    }
+    [least, greatest]
+}
+
 fn check_inside<const D: usize>(
-    channel: &AxisBox<D>,
+    [least, greatest]: &[Vector<D>; 2],
     body: &AxisBox<D>,
 ) -> Result<(), DisassemblyError> {
     for axis in 0..D {
-        if body.min()[axis] < channel.min()[axis] {
-            let (body, channel) = (body.min()[axis], channel.min()[axis]);
+        if body.min()[axis] < least[axis] {
+            let (body, channel) = (body.min()[axis], least[axis]);
             return Err(DisassemblyError::BodyOutside { axis, body, channel });
         }
-        if body.max()[axis] > channel.max()[axis] {
-            let (body, channel) = (body.max()[axis], channel.max()[axis]);
+        if body.max()[axis] > greatest[axis] {
+            let (body, channel) = (body.max()[axis], greatest[axis]);
             return Err(DisassemblyError::BodyOutside { axis, body, channel });
         }
     }

@@ -33,13 +33,13 @@ pub(super) fn farthest<const D: usize>(
 }
 
 impl<const D: usize> Search<'_, D> {
-    /// Refills `starts` with the channels that contain the traveller, in ascending order.
+    /// Refills `starts` with the channels that the traveller is in, in ascending order.
     pub(super) fn find_starts(&self, starts: &mut Vec<usize>) -> Result<(), RouteError> {
-        let Traveller { least, greatest, .. } = &self.traveller;
         let channels = self.graph.channels();
+        let [least, greatest] = self.within_the_mouth();
         starts.clear();
-        self.graph.tree().visit(least, least, 0.0, self.budget, |index| {
-            if channels[index].holds(least) && channels[index].holds(greatest) {
+        self.graph.tree().visit(&least, &least, 0.0, self.budget, |index| {
+            if channels[index].holds(&least) && channels[index].holds(&greatest) {
                 starts.push(index);
             }
             0.0
@@ -47,10 +47,24 @@ impl<const D: usize> Search<'_, D> {
         starts.sort_unstable();
         if starts.is_empty() {
             self.budget.step(channels.len() as u64)?;
+            let Traveller { least, greatest, .. } = &self.traveller;
             let (channel, axis, body, end) = nearest(channels, least, greatest);
             return Err(RouteError::StartOutside { channel, axis, body, end });
         }
         Ok(())
+    }
+
+    /// The traveller's corners, and what sticks out of the mouth at it: beyond, everything is free.
+    fn within_the_mouth(&self) -> [Vector<D>; 2] {
+        let corners = [self.traveller.least, self.traveller.greatest];
+        let Some(HalfSpace { side, bound }) = self.mouth else { return corners };
+        corners.map(|mut corner| {
+            corner[side.axis] = match side.sign {
+                Sign::Negative => corner[side.axis].min(bound),
+                Sign::Positive => corner[side.axis].max(bound),
+            };
+            corner
+        })
     }
 
     pub(super) fn check_goal(&self) -> Result<(), RouteError> {

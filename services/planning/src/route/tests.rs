@@ -244,12 +244,20 @@ fn channels_without_a_turn_are_told() {
 }
 
 #[test]
+fn body_may_stick_out_of_the_mouth() {
+    let channels = [space([0., 0.], [9., 2.]), space([7., 0.], [9., 9.])];
+    for bottom in [8., 8.5, 9., 10.] {
+        check(&channels, &cube(7.5, bottom, End::Exit(UP)), &[1]);
+    }
+}
+
+#[test]
 fn start_and_goal_outside_are_told() {
     let channels = [space([0., 0.], [9., 2.]), space([7., 0.], [9., 9.])];
     let error = RouteError::StartOutside { channel: 0, axis: 1, body: 2.5, end: 2.0 };
     check_error(&channels, &cube(1., 1.5, End::Exit(UP)), error);
-    let error = RouteError::StartOutside { channel: 1, axis: 1, body: 10.0, end: 9.0 };
-    check_error(&channels, &cube(7.5, 9., End::Exit(UP)), error);
+    let error = RouteError::StartOutside { channel: 1, axis: 0, body: 9.5, end: 9.0 };
+    check_error(&channels, &cube(8.5, 5., End::Exit(UP)), error);
     let error = RouteError::GoalOutside { channel: 1, axis: 1, goal: 9.5, end: 9.0 };
     check_error(&channels, &cube(1., 0.5, End::Goal([8., 9.5].into())), error);
     check_error(&[], &cube(1., 1.5, End::Exit(UP)), RouteError::NoChannels);
