@@ -8,7 +8,7 @@ use planning::clearance::translating::Body;
 use planning::disassembly;
 use planning::free_space::End;
 use planning::free_space::walls::Complement;
-use planning::geometry::{AxisBox, Direction, Sign, Vector};
+use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::route::{BodyMover, Mover, Router};
 use planning::trajectory::{Profile, Stops};
 use schemas::convert::{PartSink, TrajectoryWriter};
@@ -78,6 +78,8 @@ struct WayOut<'a, const D: usize> {
     exit: Direction,
     /// As the request names it; `None` if it doesn't.
     name: Option<message::Direction>,
+    /// Where the solids end, if they bound the free space.
+    mouth: Option<HalfSpace>,
     space: Option<FreeSpace<'a, D>>,
 }
 
@@ -222,7 +224,10 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             let known =
                 |way: &&mut Option<WayOut<'_, D>>| way.as_ref().is_none_or(|way| way.exit == exit);
             if let Some(way) = ways.iter_mut().find(known) {
-                way.get_or_insert(WayOut { exit, name, space: None });
+                way.get_or_insert_with(|| {
+                    let mouth = source.mouth(exit);
+                    WayOut { exit, name, mouth, space: None }
+                });
             }
         };
         for name in &terms.scene.exit {
@@ -280,7 +285,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         let Self { terms, source, ways, memory, resources, .. } = self;
         let Memory { complement, router, gaps, course, .. } = &mut **memory;
         let Terms { axes, body, .. } = &*terms;
-        let Some(WayOut { exit, space, .. }) = &mut ways[at] else { return Ok(()) };
+        let Some(WayOut { exit, mouth, space, .. }) = &mut ways[at] else { return Ok(()) };
         let exit = *exit;
         let space = match space {
             Some(space) => space,
@@ -307,9 +312,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 course
                     .follow(graph.channels(), router.route(), body, exit, budget)
                     .map_err(|error| refuse::chain(axes, error))?;
-                if let Source::Solids(cut) = source
-                    && let Some(mouth) = cut.mouth(exit)
-                {
+                if let Some(mouth) = *mouth {
                     course.set_mouth(mouth);
                 }
             }

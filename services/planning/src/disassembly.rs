@@ -200,7 +200,7 @@ pub fn disassemble<const D: usize>(
     let (Some(first), Some(mouth)) = (chain.channels().first(), chain.mouth()) else {
         return Err(DisassemblyError::NoChannels);
     };
-    check_inside(&within_reach(chain, first), body)?;
+    check_inside(first, &up_to_the_mouth(chain, &mouth, body))?;
     find_limits(chain, body, &mut path.limits)?;
     find_gaps(gap, &path.limits, &mut path.gaps)?;
 
@@ -290,29 +290,28 @@ pub(crate) fn out_of_the_mouth<const D: usize>(
     to
 }
 
-/// The first channel, without an end at the mouth: beyond it everything is free.
-fn within_reach<const D: usize>(chain: &Chain<D>, first: &AxisBox<D>) -> [Vector<D>; 2] {
-    let (mut least, mut greatest) = (first.min(), first.max());
-    if let (Some(exit), [_]) = (chain.exit(), chain.channels()) {
-        match exit.sign {
-            Sign::Positive => greatest[exit.axis] = f64::INFINITY,
-            Sign::Negative => least[exit.axis] = f64::NEG_INFINITY,
-        }
-    }
-    [least, greatest]
+/// The corners of the body, or in the only channel those of what does not stick out of the mouth:
+/// beyond it everything is free.
+fn up_to_the_mouth<const D: usize>(
+    chain: &Chain<D>,
+    mouth: &HalfSpace,
+    body: &AxisBox<D>,
+) -> [Vector<D>; 2] {
+    let corners = [body.min(), body.max()];
+    if let [_] = chain.channels() { corners.map(|corner| mouth.nearest(corner)) } else { corners }
 }
 
 fn check_inside<const D: usize>(
+    channel: &AxisBox<D>,
     [least, greatest]: &[Vector<D>; 2],
-    body: &AxisBox<D>,
 ) -> Result<(), DisassemblyError> {
     for axis in 0..D {
-        if body.min()[axis] < least[axis] {
-            let (body, channel) = (body.min()[axis], least[axis]);
+        if least[axis] < channel.min()[axis] {
+            let (body, channel) = (least[axis], channel.min()[axis]);
             return Err(DisassemblyError::BodyOutside { axis, body, channel });
         }
-        if body.max()[axis] > greatest[axis] {
-            let (body, channel) = (body.max()[axis], greatest[axis]);
+        if greatest[axis] > channel.max()[axis] {
+            let (body, channel) = (greatest[axis], channel.max()[axis]);
             return Err(DisassemblyError::BodyOutside { axis, body, channel });
         }
     }

@@ -59,7 +59,7 @@ impl<const D: usize> Cut<'_, D> {
     }
 
     /// The mouth of such a cavity, if the bounds are those of the solids.
-    pub(crate) fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
+    pub(super) fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
         if self.bounds.is_some() { None } else { self.solids.mouth(exit) }
     }
 

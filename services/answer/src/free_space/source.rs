@@ -6,7 +6,7 @@ use planning::budget::Budget;
 use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
 use planning::free_space::walls::{Complement, Walls};
-use planning::geometry::{AxisBox, Vector};
+use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
 use schemas::message::{self, Refusal, Solid};
 
 use super::made::Cut;
@@ -55,6 +55,14 @@ pub(crate) enum Source<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Source<'a, D> {
+    /// Where the solids end along an exit, if channels are made within their own bounds.
+    pub(crate) fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
+        match self {
+            Self::Channels(_) => None,
+            Self::Solids(cut) => cut.mouth(exit),
+        }
+    }
+
     /// Reads the scene's channels, solids and bounds for a body of this size (metres).
     pub(crate) fn read(
         scene: Scene<'_>,

@@ -13,6 +13,7 @@ use super::{Direction, Sign, Vector};
 /// let below = HalfSpace { side, bound: 7.0 };
 /// assert!(below.contains(&Vector::from([3.0, 7.0])));
 /// assert!(!below.contains(&Vector::from([3.0, 7.1])));
+/// assert_eq!(below.nearest(Vector::from([3.0, 7.1])), Vector::from([3.0, 7.0]));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSpace {
@@ -29,5 +30,15 @@ impl HalfSpace {
             Sign::Positive => point[self.side.axis] >= self.bound,
             Sign::Negative => point[self.side.axis] <= self.bound,
         }
+    }
+
+    /// The point of the half-space that is nearest to `point`.
+    pub fn nearest<const D: usize>(&self, mut point: Vector<D>) -> Vector<D> {
+        let value = &mut point[self.side.axis];
+        *value = match self.side.sign {
+            Sign::Positive => value.max(self.bound),
+            Sign::Negative => value.min(self.bound),
+        };
+        point
     }
 }

@@ -36,7 +36,9 @@ impl<const D: usize> Search<'_, D> {
     /// Refills `starts` with the channels that the traveller is in, in ascending order.
     pub(super) fn find_starts(&self, starts: &mut Vec<usize>) -> Result<(), RouteError> {
         let channels = self.graph.channels();
-        let [least, greatest] = self.within_the_mouth();
+        // What sticks out of the mouth is free.
+        let [least, greatest] = [self.traveller.least, self.traveller.greatest]
+            .map(|corner| self.mouth.map_or(corner, |mouth| mouth.nearest(corner)));
         starts.clear();
         self.graph.tree().visit(&least, &least, 0.0, self.budget, |index| {
             if channels[index].holds(&least) && channels[index].holds(&greatest) {
@@ -52,19 +54,6 @@ impl<const D: usize> Search<'_, D> {
             return Err(RouteError::StartOutside { channel, axis, body, end });
         }
         Ok(())
-    }
-
-    /// The traveller's corners, and what sticks out of the mouth at it: beyond, everything is free.
-    fn within_the_mouth(&self) -> [Vector<D>; 2] {
-        let corners = [self.traveller.least, self.traveller.greatest];
-        let Some(HalfSpace { side, bound }) = self.mouth else { return corners };
-        corners.map(|mut corner| {
-            corner[side.axis] = match side.sign {
-                Sign::Negative => corner[side.axis].min(bound),
-                Sign::Positive => corner[side.axis].max(bound),
-            };
-            corner
-        })
     }
 
     pub(super) fn check_goal(&self) -> Result<(), RouteError> {
