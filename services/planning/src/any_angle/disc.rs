@@ -98,10 +98,12 @@ impl<'a> Disc<'a> {
     ) -> Result<(), Spent> {
         let begin = libm::atan2(normals[0].y, normals[0].x);
         let span = turned(&normals[0], &normals[1], 1.0).max(0.0);
-        let reach = radius + self.radius;
+        // Of a large circle, only the walls beside the arc.
+        let [low, high] = bounds(&FreeArc { ends: *normals }, (center, radius));
+        let reach = self.radius;
         let (mut free, mut rest) = (vec![[0.0, span]], Vec::new());
         let mut looks = 0;
-        self.walls.nearest(center, center, budget, |_, wall| {
+        self.walls.nearest(&low, &high, budget, |_, wall| {
             if wall.from == *center || wall.to == *center {
                 return reach;
             }
@@ -171,6 +173,19 @@ impl FreeArc {
             && cross(direction, last) >= -precision
             && (first + last).dot(direction) >= -precision
     }
+}
+
+/// The least and the greatest coordinates of an arc.
+fn bounds(arc: &FreeArc, (center, radius): (&Vector<2>, f64)) -> [Vector<2>; 2] {
+    let [mut low, mut high] = [arc.ends[0].inf(&arc.ends[1]), arc.ends[0].sup(&arc.ends[1])];
+    for [x, y] in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]] {
+        let extreme = Vector::from([x, y]);
+        if arc.holds(&extreme, 1e-9) {
+            low = low.inf(&extreme);
+            high = high.sup(&extreme);
+        }
+    }
+    [low, high].map(|direction| center + direction * radius)
 }
 
 /// Where a circle crosses the border of what is within a distance of a wall: angles from `begin`
