@@ -211,7 +211,23 @@ fn check_missing<const D: usize>(
             prop_assert!(!gets_out(&mut solids, &bounds, body, exit, 1.0 - LITTLE));
             prop_assert_eq!(place.max[axis] - place.min[axis], thickness);
         }
+        Some(Blocked::NoRoom(passage)) => {
+            prop_assert!(passage.needs == 1.0 && passage.has <= 1.0);
+            let has_room = |free: &AxisBox<D>| (0..D).all(|axis| free.size()[axis] > 1.0);
+            prop_assert!(!all.iter().any(has_room));
+        }
         other => prop_assert!(false, "{:?}", other),
+    }
+    Ok(())
+}
+
+/// What the body fills up to the mouth is no room, even though all is free beyond it.
+#[test]
+fn place_that_a_body_fills_has_no_room() -> Result<(), TestCaseError> {
+    let solids = [space([0.0, 1.0], [6.0, 6.0])];
+    let body = space([0.0, 0.0], [1.0, 1.0]);
+    for sign in [Sign::Negative, Sign::Positive] {
+        check_missing(&solids, &body, Direction { axis: 1, sign })?;
     }
     Ok(())
 }
