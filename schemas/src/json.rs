@@ -11,6 +11,7 @@ mod clearance;
 mod digest;
 mod fault;
 mod footprint;
+mod half_space;
 mod leg;
 mod read;
 mod reply;
@@ -71,9 +72,9 @@ pub struct UnreadableReply {
 /// );
 /// ```
 pub fn read_scene(text: &str) -> Result<SceneRequest, UnreadableScene> {
-    read(text, "scene", SceneJson::into_message).map_err(|(field, message)| UnreadableScene {
-        id: tree::find_id(text),
-        refusal: Refusal::invalid(field, message),
+    let check = half_space::check_plane;
+    read(text, "scene", check, SceneJson::into_message).map_err(|(field, message)| {
+        UnreadableScene { id: tree::find_id(text), refusal: Refusal::invalid(field, message) }
     })
 }
 
@@ -91,21 +92,24 @@ pub fn read_scene(text: &str) -> Result<SceneRequest, UnreadableScene> {
 /// assert_eq!(json::reply_to_json(&reply), text);
 /// ```
 pub fn read_reply(text: &str) -> Result<Reply, UnreadableReply> {
-    read(text, "reply", ReplyJson::into_message)
+    read(text, "reply", |_| Ok(()), ReplyJson::into_message)
         .map_err(|(field, message)| UnreadableReply { field, message })
 }
 
-/// Reads through a tree; an error is the field at fault and the message.
+/// Reads through a tree, which `check` sees once its forms are right; an error is the field at
+/// fault and the message.
 fn read<J, M>(
     text: &str,
     root: &str,
+    check: fn(&tree::Node<'_>) -> Result<(), Fault>,
     into_message: fn(J) -> Result<M, Fault>,
 ) -> Result<M, (String, String)>
 where
     J: for<'de> serde::Deserialize<'de>,
 {
     let tree = tree::parse(text, root).map_err(|fault| (fault.path, fault.message))?;
-    read::read(&tree).and_then(into_message).map_err(|fault| fault.tell(root))
+    let message = read::read(&tree).and_then(into_message);
+    message.and_then(|message| check(&tree).map(|()| message)).map_err(|fault| fault.tell(root))
 }
 
 /// Writes a scene request on one line.

@@ -4,6 +4,8 @@
 mod described;
 #[path = "messages/examples.rs"]
 mod examples;
+#[path = "messages/half_spaces.rs"]
+mod half_spaces;
 #[path = "messages/hostile.rs"]
 mod hostile;
 #[path = "messages/json_reply.rs"]

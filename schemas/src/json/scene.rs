@@ -7,6 +7,7 @@ use super::clearance::WishJson;
 use super::digest::DigestJson;
 use super::fault::Fault;
 use super::footprint::FootprintJson;
+use super::half_space::IntersectionJson;
 use super::values::{BoxJson, Element, List, Numbers, Point, Word, Words};
 use crate::message::{
     Body, Direction, FreeSpace, Goal, Limits, Pose, Report, Sampling, SceneRequest, Solid,
@@ -235,6 +236,9 @@ pub(super) enum SolidJson<'a> {
     Polygon(List<'a, Vector>),
     /// A box.
     Box(BoxJson),
+    /// Half-spaces, whose intersection is a box.
+    #[serde(skip_serializing)]
+    HalfSpaces(IntersectionJson),
 }
 
 impl<'a> From<&'a Solid> for SolidJson<'a> {
@@ -252,7 +256,9 @@ impl Element for Solid {
     fn from_json<E: Error>(json: SolidJson) -> Result<Self, E> {
         Ok(match json {
             SolidJson::Polygon(vertices) => Self::Polygon(vertices.into()),
-            SolidJson::Box(sides) => Self::Box(sides.into()),
+            SolidJson::Box(sides) | SolidJson::HalfSpaces(IntersectionJson(sides)) => {
+                Self::Box(sides.into())
+            }
         })
     }
 }
@@ -271,6 +277,9 @@ enum BodyJson<'a> {
     Polygon(List<'a, Vector>),
     /// A box.
     Box(BoxJson),
+    /// Half-spaces, whose intersection is a box.
+    #[serde(skip_serializing)]
+    HalfSpaces(IntersectionJson),
     /// The rectangle that a mobile robot covers.
     Footprint(FootprintJson),
 }
@@ -289,7 +298,7 @@ impl BodyJson<'_> {
     fn into_message(self) -> Result<Body, Fault> {
         Ok(match self {
             Self::Polygon(vertices) => Body::Polygon(vertices.into()),
-            Self::Box(sides) => Body::Box(sides.into()),
+            Self::Box(sides) | Self::HalfSpaces(IntersectionJson(sides)) => Body::Box(sides.into()),
             Self::Footprint(footprint) => Body::Footprint(
                 footprint.into_message().map_err(|fault| fault.in_field("footprint"))?,
             ),

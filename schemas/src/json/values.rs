@@ -249,15 +249,11 @@ impl From<&Vector> for Point {
     }
 }
 
-/// A box with sides parallel to the axes.
-#[derive(Serialize, Deserialize, Clone, Copy)]
-#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "box"))]
-#[serde(deny_unknown_fields)]
+/// A box with sides parallel to the axes, as it is written; `half_space` reads it.
+#[derive(Serialize, Clone, Copy)]
 pub(super) struct BoxJson {
-    /// The corner with the least coordinates, metres.
-    min: Point,
-    /// The corner with the greatest coordinates, metres. Each must exceed that of `min`.
-    max: Point,
+    pub(super) min: Point,
+    pub(super) max: Point,
 }
 
 impl From<&AxisBox> for BoxJson {
