@@ -319,7 +319,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         }
         // All other walls are the channels' own sides.
         let (has_solids, is_made) = (space.has_solids(), !space.made().is_empty());
-        let walls = space.walls(course.mouth(), complement, resources)?;
+        let walls = space.walls(course.mouth(0.0), complement, resources)?;
         course
             .disassemble(body, gap, budget)
             .map_err(|error| refuse::disassembly(axes, wish.field(), error))?;

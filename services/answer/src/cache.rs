@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 
 use planning::budget::{Budget, Spent};
+use planning::free_space::Mouth;
 use planning::free_space::graph::Graph;
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, HalfSpace, Sign};
@@ -94,11 +95,12 @@ impl Content {
         }
     }
 
-    pub(crate) fn mouth(&mut self, mouth: Option<HalfSpace>) {
+    pub(crate) fn mouth<const D: usize>(&mut self, mouth: Option<Mouth<D>>) {
         self.word(u64::from(mouth.is_some()));
-        if let Some(HalfSpace { side, bound }) = mouth {
+        if let Some(Mouth { plane: HalfSpace { side, bound }, channel, reach }) = mouth {
             self.word((side.axis as u64) << 1 | u64::from(side.sign == Sign::Positive));
-            self.numbers(&[bound]);
+            self.numbers(&[bound, reach]);
+            self.boxes(&[channel]);
         }
     }
 }

@@ -94,7 +94,12 @@ impl Memory {
     fn complement(&mut self) {
         let Self { chain, walls, complement, .. } = self;
         walls
-            .set_complement(chain.channels(), chain.mouth(), complement, &Budget::default())
+            .set_complement(
+                chain.channels(),
+                chain.mouth_and_channel(0.0),
+                complement,
+                &Budget::default(),
+            )
             .expect("no limit");
     }
 }

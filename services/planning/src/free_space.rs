@@ -108,7 +108,7 @@ pub struct Chain<const D: usize> {
     possible: Vec<u8>,
     junctions: Vec<Junction<D>>,
     exit: Option<Direction>,
-    /// Where everything beyond is free, if the last channel reaches farther.
+    /// Where the walls end, if the last channel reaches farther.
     mouth: Option<HalfSpace>,
 }
 
@@ -166,10 +166,16 @@ impl<const D: usize> Chain<D> {
         self.exit
     }
 
-    /// The half-space up to where the last channel ends along the exit, or to the mouth in it.
-    /// Outside it everything is free (definition 3.2, read as the mouth of the last channel).
+    /// The half-space up to where the last channel ends along the exit, or to the mouth in it
+    /// (definition 3.2, read as the mouth of the last channel).
     pub fn mouth(&self) -> Option<HalfSpace> {
         self.mouth.or_else(|| Some(mouth_of(self.channels.last()?, self.exit?)))
+    }
+
+    /// The mouth and the channel that ends there, for a body that goes on beyond it by `reach`,
+    /// metres.
+    pub fn mouth_and_channel(&self, reach: f64) -> Option<Mouth<D>> {
+        Some(Mouth { plane: self.mouth()?, channel: *self.channels.last()?, reach })
     }
 
     /// Puts the mouth into the last channel, which goes on beyond the walls: a body that sticks
@@ -305,6 +311,41 @@ pub(crate) fn longest<const D: usize>(
         }
     }
     best.map(|(axis, _)| axis)
+}
+
+/// Where a body leaves the last of the channels. If these are all that is known to be free, what
+/// is free beyond is the strip that goes on from that channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mouth<const D: usize> {
+    /// The half-space before the mouth.
+    pub plane: HalfSpace,
+    /// The channel that ends there.
+    pub channel: AxisBox<D>,
+    /// How far the body goes on beyond the mouth with its last side, metres. As long as that is at
+    /// the mouth, the sides of the strip are no nearer than those of the channel.
+    pub reach: f64,
+}
+
+impl<const D: usize> Mouth<D> {
+    /// The least and the greatest corner of the strip, which has no end.
+    fn strip(&self) -> (Vector<D>, Vector<D>) {
+        self.strip_for(f64::INFINITY)
+    }
+
+    /// The part of it of which the sides matter.
+    fn strip_in_reach(&self) -> Option<(Vector<D>, Vector<D>)> {
+        (self.reach > 0.0).then(|| self.strip_for(self.reach))
+    }
+
+    fn strip_for(&self, length: f64) -> (Vector<D>, Vector<D>) {
+        let HalfSpace { side: Direction { axis, sign }, bound } = self.plane;
+        let (mut min, mut max) = (self.channel.min(), self.channel.max());
+        (min[axis], max[axis]) = match sign {
+            Sign::Negative => (bound, bound + length),
+            Sign::Positive => (bound - length, bound),
+        };
+        (min, max)
+    }
 }
 
 /// The half-space up to where a channel ends along `exit`.

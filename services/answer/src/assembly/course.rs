@@ -5,7 +5,7 @@ use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, clearance_body_legs};
 use planning::disassembly::{DisassemblyError, DisassemblyPath, Gap, disassemble};
 use planning::free_space::walls::Walls;
-use planning::free_space::{Chain, ChainError, End};
+use planning::free_space::{Chain, ChainError, End, Mouth};
 use planning::geometry::{AxisBox, Direction, HalfSpace};
 use planning::motion::Curve;
 
@@ -85,9 +85,9 @@ impl<const D: usize> Course<D> {
         self.chain.set_mouth(mouth);
     }
 
-    /// Where the last channel is left.
-    pub(super) fn mouth(&self) -> Option<HalfSpace> {
-        self.chain.mouth()
+    /// Where the last channel is left, by a body that goes on beyond by `reach`, metres.
+    pub(super) fn mouth(&self, reach: f64) -> Option<Mouth<D>> {
+        self.chain.mouth_and_channel(reach)
     }
 
     /// Finds the path by the rules of Table 1.

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use planning::free_space::Mouth;
 use planning::free_space::graph::Graph;
 use planning::free_space::walls::{Complement, Walls};
-use planning::geometry::{AxisBox, HalfSpace};
+use planning::geometry::AxisBox;
 
 use crate::answers::Resources;
 use crate::cache::Kind;
@@ -32,7 +33,7 @@ pub(crate) enum Around<const D: usize> {
     Solids(Arc<Entry<Walls<D>>>),
     /// All that the channels leave, up to a mouth. It is found when it is asked for; the last
     /// is remembered.
-    Complement(Option<(Option<HalfSpace>, Arc<Entry<Walls<D>>>)>),
+    Complement(Option<(Option<Mouth<D>>, Arc<Entry<Walls<D>>>)>),
 }
 
 impl<const D: usize> FreeSpace<'_, D> {
@@ -67,7 +68,7 @@ impl<const D: usize> FreeSpace<'_, D> {
     /// The walls, which end at the mouth (if there is one) unless they are solids.
     pub(crate) fn walls(
         &mut self,
-        mouth: Option<HalfSpace>,
+        mouth: Option<Mouth<D>>,
         complement: &mut Complement<D>,
         resources: &mut Resources<'_>,
     ) -> Result<&Arc<Entry<Walls<D>>>, Refused> {
@@ -100,7 +101,7 @@ impl<const D: usize> FreeSpace<'_, D> {
 /// All that channels leave, up to a mouth.
 pub(super) fn complement_of<const D: usize>(
     channels: &[AxisBox<D>],
-    mouth: Option<HalfSpace>,
+    mouth: Option<Mouth<D>>,
     complement: &mut Complement<D>,
     resources: &mut Resources<'_>,
 ) -> Result<Arc<Entry<Walls<D>>>, Refused> {

@@ -38,7 +38,7 @@ fn complement<const D: usize>(chain: &Chain<D>) -> Walls<D> {
     walls
         .set_complement(
             chain.channels(),
-            chain.mouth(),
+            chain.mouth_and_channel(0.0),
             &mut Complement::default(),
             &Budget::default(),
         )

@@ -2,7 +2,7 @@
 
 use super::{FEW, Wall, Walls};
 use crate::budget::{Budget, Held, Spent};
-use crate::geometry::HalfSpace;
+use crate::free_space::Mouth;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Sign, Vector};
 use std::cmp::Ordering;
@@ -47,16 +47,17 @@ impl<const D: usize> Complement<D> {
 }
 
 impl<const D: usize> Walls<D> {
-    /// Replaces all walls by the boundary of the union of `channels` within the half-space
-    /// `mouth`, outside which everything is free. Indexes the walls.
+    /// Replaces all walls by the boundary of the union of `channels` and, beyond a mouth, of the
+    /// strip that goes on from the last channel; of the strip's own sides, as much as the mouth's
+    /// `reach`. Indexes the walls.
     ///
-    /// A part of a side is wall unless a channel goes on behind it. Pieces in one plane that
+    /// A part of a side is wall unless a channel or the strip goes on behind it. Pieces in one plane that
     /// continue each other along the last axis are merged; all are sorted by axis, facing and
     /// position. Takes n log n if each channel overlaps few others.
     pub fn set_complement(
         &mut self,
         channels: &[AxisBox<D>],
-        mouth: Option<HalfSpace>,
+        mouth: Option<Mouth<D>>,
         memory: &mut Complement<D>,
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
@@ -71,7 +72,7 @@ impl<const D: usize> Walls<D> {
     fn try_set_complement(
         &mut self,
         channels: &[AxisBox<D>],
-        mouth: Option<HalfSpace>,
+        mouth: Option<Mouth<D>>,
         memory: &mut Complement<D>,
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
@@ -85,9 +86,12 @@ impl<const D: usize> Walls<D> {
             let bounds = |index: usize| (channels[index].min(), channels[index].max());
             tree.build(channels.len(), bounds, budget)?;
         }
-        for (index, channel) in channels.iter().enumerate() {
+        let strip = mouth.map(|mouth| mouth.strip());
+        // The strip's sides come last, so that where it lies on a channel's side that counts.
+        let sides = channels.iter().map(|channel| (channel.min(), channel.max()));
+        let sides = sides.chain(mouth.and_then(|mouth| mouth.strip_in_reach()));
+        for (index, (min, max)) in sides.enumerate() {
             neighbours.clear();
-            let (min, max) = (channel.min(), channel.max());
             if channels.len() > FEW {
                 tree.visit(&min, &max, 0.0, budget, |other| {
                     neighbours.push(other);
@@ -104,10 +108,13 @@ impl<const D: usize> Walls<D> {
                         Sign::Negative => high[axis] = low[axis],
                         Sign::Positive => low[axis] = high[axis],
                     }
-                    let mut side = Piece { axis, sign, min: low, max: high };
-                    if mouth.is_none_or(|mouth| clip(&mut side, &mouth)) {
+                    // Beyond its reach the strip is open.
+                    let is_open = index == channels.len()
+                        && mouth.is_some_and(|mouth| mouth.plane.side.axis == axis);
+                    if !is_open {
+                        let side = Piece { axis, sign, min: low, max: high };
                         budget.step(1 + neighbours.len() as u64 / LOOKS_PER_STEP)?;
-                        let around = (&neighbours[..], channels);
+                        let around = (&neighbours[..], channels, strip.as_ref());
                         add_uncovered(side, index, around, pieces, (budget, &mut held))?;
                     }
                 }
@@ -137,40 +144,26 @@ fn wall<const D: usize>(piece: Piece<D>) -> Wall<D> {
     Wall { from: piece.min, to: piece.max }
 }
 
-/// Clips a piece to the half-space; false if nothing is left. A piece in its plane counts as
-/// outside.
-fn clip<const D: usize>(piece: &mut Piece<D>, mouth: &HalfSpace) -> bool {
-    let axis = mouth.side.axis;
-    match mouth.side.sign {
-        Sign::Negative => {
-            piece.max[axis] = piece.max[axis].min(mouth.bound);
-            piece.min[axis] < mouth.bound
-        }
-        Sign::Positive => {
-            piece.min[axis] = piece.min[axis].max(mouth.bound);
-            piece.max[axis] > mouth.bound
-        }
-    }
-}
+/// The least and the greatest corner of a box.
+type Extent<const D: usize> = (Vector<D>, Vector<D>);
 
 /// Adds the parts of a side behind which no other channel goes on.
 fn add_uncovered<const D: usize>(
     side: Piece<D>,
     owner: usize,
-    (neighbours, channels): (&[usize], &[AxisBox<D>]),
+    (neighbours, channels, strip): (&[usize], &[AxisBox<D>], Option<&Extent<D>>),
     pieces: &mut Vec<Piece<D>>,
     (budget, held): (&Budget<'_>, &mut Held<'_>),
 ) -> Result<(), Spent> {
     let begin = pieces.len();
     pieces.push(side);
     let at = side.min[side.axis];
-    for &index in neighbours {
+    let others = neighbours.iter().filter(|index| **index != owner);
+    let others = others.map(|index| (*index, (channels[*index].min(), channels[*index].max())));
+    let strip = strip.filter(|_| owner != channels.len()).map(|strip| (channels.len(), *strip));
+    for (index, (min, max)) in others.chain(strip) {
         #[cfg(test)]
         crate::geometry::work::look();
-        if index == owner {
-            continue;
-        }
-        let (min, max) = (channels[index].min(), channels[index].max());
         let (near, far) = (min[side.axis], max[side.axis]);
         let goes_on = match side.sign {
             Sign::Positive => near <= at && at < far,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::free_space::graph::tests::streets;
 use crate::free_space::random::scenes;
-use crate::geometry::HalfSpace;
+use crate::free_space::{Mouth, mouth_of};
 use crate::geometry::{Direction, work};
 use crate::section_4::CHANNELS;
 use proptest::prelude::*;
@@ -10,19 +10,25 @@ fn space<const D: usize>(min: [f64; D], max: [f64; D]) -> AxisBox<D> {
     AxisBox::new(min.into(), max.into()).expect("a box")
 }
 
-fn complement<const D: usize>(channels: &[AxisBox<D>], mouth: Option<HalfSpace>) -> Walls<D> {
+fn complement<const D: usize>(channels: &[AxisBox<D>], mouth: Option<Mouth<D>>) -> Walls<D> {
     let mut walls = Walls::default();
     walls.set_complement(channels, mouth, &mut Complement::default(), &Budget::default()).unwrap();
     walls
 }
 
-/// The half-space below the mouth of an exit along +z.
-fn below(bound: f64, axis: usize) -> Option<HalfSpace> {
-    Some(HalfSpace { side: Direction { axis, sign: Sign::Negative }, bound })
+/// Where a channel ends along an exit.
+fn out_of<const D: usize>(
+    channel: AxisBox<D>,
+    (axis, sign): (usize, Sign),
+    reach: f64,
+) -> Option<Mouth<D>> {
+    Some(Mouth { plane: mouth_of(&channel, Direction { axis, sign }), channel, reach })
 }
 
+const UP: (usize, Sign) = (1, Sign::Positive);
+
 #[track_caller]
-fn check_walls(channels: &[AxisBox<2>], mouth: Option<HalfSpace>, expected: &[[f64; 4]]) {
+fn check_walls(channels: &[AxisBox<2>], mouth: Option<Mouth<2>>, expected: &[[f64; 4]]) {
     let found: Vec<[f64; 4]> = complement(channels, mouth)
         .as_slice()
         .iter()
@@ -43,7 +49,7 @@ fn section_4_has_the_cavity_of_the_female_part() {
         [1., 2., 4., 2.],
         [5., 6., 7., 6.],
     ];
-    check_walls(&channels, below(7.0, 1), &cavity);
+    check_walls(&channels, out_of(channels[2], UP, 0.0), &cavity);
     // Without a mouth it is closed: the lid comes last.
     let closed: Vec<_> = cavity.into_iter().chain([[1., 7., 5., 7.]]).collect();
     check_walls(&channels, None, &closed);
@@ -53,7 +59,7 @@ fn section_4_has_the_cavity_of_the_female_part() {
 fn walls_are_always_those_asked_for_last() {
     let first = [space([0., 0.], [2., 9.]), space([1., 5.], [3., 6.])];
     let second = [space([0., 0.], [2., 9.]), space([1., 5.], [4., 6.])];
-    let mouth = below(9.0, 1);
+    let mouth = out_of(first[0], UP, 0.0);
     let (mut walls, mut memory) = (Walls::default(), Complement::default());
     let asked =
         [(&first, mouth), (&first, mouth), (&first, None), (&second, None), (&first, mouth)];
@@ -72,11 +78,22 @@ fn wall_is_merged_over_channels() {
 }
 
 #[test]
-fn walls_stop_at_the_mouth_of_a_lower_exit() {
+fn only_the_strip_is_free_beyond_a_lower_mouth() {
     let channels = [space([0., 0.], [2., 9.]), space([1., 5.], [3., 6.])];
-    let expected =
-        [[0., 0., 0., 6.], [2., 0., 2., 5.], [3., 5., 3., 6.], [0., 0., 2., 0.], [2., 5., 3., 5.]];
-    check_walls(&channels, below(6.0, 1), &expected);
+    let walls = [
+        [0., 0., 0., 9.],
+        [2., 0., 2., 5.],
+        [3., 5., 3., 6.],
+        [0., 0., 2., 0.],
+        [2., 5., 3., 5.],
+        [0., 9., 1., 9.],
+    ];
+    check_walls(&channels, out_of(channels[1], UP, 0.0), &walls);
+    // The sides of the strip, from where they leave the first channel.
+    let mut walls = walls.to_vec();
+    walls[2][3] = 10.0;
+    walls.insert(1, [1., 9., 1., 10.]);
+    check_walls(&channels, out_of(channels[1], UP, 4.0), &walls);
 }
 
 #[test]
@@ -116,10 +133,20 @@ fn whole_boxes<const D: usize>(most: usize) -> impl Strategy<Value = Vec<AxisBox
     })
 }
 
-/// Every side of a grid cell is wall exactly once, if free space ends there
-/// before the mouth, and otherwise not.
-fn check_grid<const D: usize>(channels: &[AxisBox<D>], mouth: Option<HalfSpace>) {
+/// Every side of a grid cell is wall exactly once if free space ends there, and otherwise not;
+/// beyond a mouth the strip is free, and its sides are walls within reach.
+fn check_grid<const D: usize>(channels: &[AxisBox<D>], mouth: Option<Mouth<D>>) {
     let walls = complement(channels, mouth);
+    let middle_of = |cell: [i32; D]| Vector::from(cell.map(|c| f64::from(c) + 0.5));
+    // How far beyond the mouth a cell of the strip begins.
+    let in_strip = |cell: [i32; D]| {
+        let Mouth { plane, channel, .. } = mouth?;
+        let (axis, middle) = (plane.side.axis, middle_of(cell));
+        let is_across = |i: usize| channel.min()[i] < middle[i] && middle[i] < channel.max()[i];
+        let beyond = (middle[axis] - plane.bound).abs() - 0.5;
+        let is_strip = (0..D).filter(|i| *i != axis).all(is_across) && !plane.contains(&middle);
+        is_strip.then_some(beyond)
+    };
     let cells = (EDGE + 2).pow(D as u32);
     for number in 0..cells {
         let mut rest = number;
@@ -132,12 +159,14 @@ fn check_grid<const D: usize>(channels: &[AxisBox<D>], mouth: Option<HalfSpace>)
             // The side at the lower end along `axis`.
             let mut behind = cell;
             behind[axis] -= 1;
-            let mut middle = Vector::from(cell.map(|c| f64::from(c) + 0.5));
+            let mut middle = middle_of(cell);
             middle[axis] = f64::from(cell[axis]);
-            let within = mouth.is_none_or(|mouth| {
-                mouth.contains(&middle) && middle[mouth.side.axis] != mouth.bound
-            });
-            let expected = within && grid(channels, cell) != grid(channels, behind);
+            let is_free = |cell| grid(channels, cell) || in_strip(cell).is_some();
+            let reach = mouth.map_or(0.0, |mouth| mouth.reach);
+            // Free as a channel, or as a part of the strip of which the sides matter.
+            let counts = |cell| grid(channels, cell) || in_strip(cell).is_some_and(|at| at < reach);
+            let free = if is_free(cell) { cell } else { behind };
+            let expected = is_free(cell) != is_free(behind) && counts(free);
             let covers = |wall: &&Wall<D>| {
                 wall.from[axis] == wall.to[axis]
                     && (0..D).all(|i| wall.from[i] <= middle[i] && middle[i] <= wall.to[i])
@@ -237,11 +266,10 @@ fn solid_box_in_space_has_six_sides() {
 
 proptest! {
     #[test]
-    fn complement_is_the_boundary_of_the_grid(boxes in whole_boxes::<2>(9), mouth in 1..EDGE) {
+    fn complement_is_the_boundary_of_the_grid(boxes in whole_boxes::<2>(9), reach in 0..4_u8) {
         check_grid(&boxes, None);
-        check_grid(&boxes, below(f64::from(mouth), 1));
-        let side = Direction { axis: 0, sign: Sign::Positive };
-        check_grid(&boxes, Some(HalfSpace { side, bound: f64::from(mouth) }));
+        check_grid(&boxes, out_of(boxes[0], UP, f64::from(reach)));
+        check_grid(&boxes, out_of(boxes[0], (0, Sign::Negative), f64::from(reach)));
     }
 
     #[test]
@@ -271,9 +299,9 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
-    fn complement_is_the_boundary_of_the_grid_in_space(boxes in whole_boxes::<3>(7), mouth in 1..EDGE) {
+    fn complement_is_the_boundary_of_the_grid_in_space(boxes in whole_boxes::<3>(7), reach in 0..4_u8) {
         check_grid(&boxes, None);
-        check_grid(&boxes, below(f64::from(mouth), 2));
+        check_grid(&boxes, out_of(boxes[0], (2, Sign::Positive), f64::from(reach)));
     }
 }
 
