@@ -57,7 +57,7 @@ fn dependencies_run_one_way() {
         ("client", vec!["bus", "schemas", "answer"]),
         // The same in other languages.
         ("c", vec!["client"]),
-        ("python", vec!["client", "recording", "schemas"]),
+        ("python", vec!["client", "floor-plan", "recording", "schemas"]),
         ("recording", vec!["schemas"]),
         ("floor-plan", vec!["schemas"]),
         ("answer", vec!["planning", "schemas"]),

@@ -25,16 +25,6 @@ pub(crate) struct Description {
     pub(crate) mode: Mode,
 }
 
-/// Whether a robot may drive where nothing is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum UnknownCells {
-    /// It must not: unknown cells are as solid as walls.
-    #[default]
-    Occupied,
-    /// It may.
-    Free,
-}
-
 /// How shades become occupancies; see the table in [`crate`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mode {

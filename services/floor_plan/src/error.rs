@@ -1,9 +1,10 @@
 //! Why a map can't be used.
 
-use std::io;
-use std::path::PathBuf;
+#[cfg(feature = "pictures")]
+use std::{io, path::PathBuf};
 
-/// Why a map can't be used.
+/// Why a picture with its YAML can't be used.
+#[cfg(feature = "pictures")]
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum MapError {
@@ -20,30 +21,37 @@ pub enum MapError {
         path.display()
     )]
     Thresholds { path: PathBuf, free: f64, occupied: f64 },
-    #[error(
-        "{}: cells of {resolution} m are too small at the coordinate {farthest} m: their corners \
-         round to the same number; move the origin closer to 0",
-        path.display()
-    )]
-    TooFarOut { path: PathBuf, resolution: f64, farthest: f64 },
     #[error("{}: not a readable PNG, PGM or BMP picture: {cause}", path.display())]
     Picture { path: PathBuf, cause: image::ImageError },
-    #[error("{}: the picture has {width} x {height} cells, but needs at least 1 x 1", path.display())]
-    NoCells { path: PathBuf, width: u32, height: u32 },
-    #[error(
-        "{}: the picture has {width} x {height} = {has} cells, but at most {most} are allowed",
-        path.display()
-    )]
-    TooManyCells { path: PathBuf, width: u32, height: u32, has: u64, most: u64 },
-    #[error(
-        "{}: the walls have {has} corners, but at most {most} are allowed; is the map noise?",
-        path.display()
-    )]
-    TooManyCorners { path: PathBuf, has: usize, most: usize },
     #[error(
         "{}: none of the picture's {cells} cells is free: no occupancy is less than free_thresh, \
          {free}",
         path.display()
     )]
     NothingFree { path: PathBuf, cells: usize, free: f64 },
+    #[error("{}: {cause}", path.display())]
+    Grid { path: PathBuf, cause: GridError },
+}
+
+/// Why cells are no map.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what the fields are")]
+pub enum GridError {
+    #[error("the map has {width} x {height} cells, but needs at least 1 x 1")]
+    NoCells { width: u64, height: u64 },
+    #[error("the map has {width} x {height} = {has} cells, but at most {most} are allowed")]
+    TooManyCells { width: u64, height: u64, has: u64, most: u64 },
+    #[error("there are {has} cells, but {width} x {height} = {needs} are needed")]
+    CellCount { width: u64, height: u64, has: usize, needs: u64 },
+    #[error("{field} is {has}, must be {expected}")]
+    Field { field: &'static str, expected: &'static str, has: f64 },
+    #[error(
+        "cells of {resolution} m are too small at the coordinate {farthest} m: their corners \
+         round to the same number; move the origin closer to 0"
+    )]
+    TooFarOut { resolution: f64, farthest: f64 },
+    #[error("the walls have {has} corners, but at most {most} are allowed; is the map noise?")]
+    TooManyCorners { has: usize, most: usize },
+    #[error("none of the map's {cells} cells is free")]
+    NothingFree { cells: usize },
 }

@@ -1,10 +1,8 @@
 //! Cells in metres.
 
 use std::f64::consts::FRAC_PI_2;
-use std::path::Path;
 
-use crate::description::Description;
-use crate::error::MapError;
+use crate::error::GridError;
 
 /// A yaw this close to a multiple of a quarter turn is that multiple, radians.
 const SAME_YAW: f64 = 1e-9;
@@ -39,11 +37,10 @@ impl Turn {
 impl MapFrame {
     /// The frame of a map, if all its cells have distinct corners in floating point.
     pub(crate) fn new(
-        path: &Path,
-        description: &Description,
+        resolution: f64,
+        [x, y, yaw]: [f64; 3],
         [width, height]: [usize; 2],
-    ) -> Result<Self, MapError> {
-        let Description { origin: [x, y, yaw], resolution, .. } = *description;
+    ) -> Result<Self, GridError> {
         let frame = Self { origin: [x, y], resolution, turn: Turn::new(yaw) };
         let [width, height] = [width as u32, height as u32];
         let (min, max) = frame.extent([width, height]);
@@ -61,7 +58,7 @@ impl MapFrame {
             let corner = frame.place([width, height]);
             let ends = frame.origin.into_iter().chain(corner);
             let farthest = ends.fold(0.0, |far: f64, c| if c.abs() > far.abs() { c } else { far });
-            return Err(MapError::TooFarOut { path: path.to_owned(), resolution, farthest });
+            return Err(GridError::TooFarOut { resolution, farthest });
         }
         Ok(frame)
     }

@@ -1,6 +1,18 @@
 //! Which cells of a map are what.
 
+use crate::MOST_CELLS;
 use crate::cells::CellSet;
+use crate::error::GridError;
+
+/// Whether a robot may drive where nothing is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UnknownCells {
+    /// It must not: unknown cells are as solid as walls.
+    #[default]
+    Occupied,
+    /// It may.
+    Free,
+}
 
 /// What the map server would call a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +41,44 @@ impl OccupancyGrid {
     pub(crate) fn new(width: usize, height: usize) -> Self {
         let set = CellSet::new(width, height);
         Self { width, height, occupied: set.clone(), unknown: set.clone(), grey: set }
+    }
+
+    /// A grid of percentages; see [`crate::FloorPlan::from_occupancy`].
+    pub(crate) fn from_occupancy(
+        cells: &[i8],
+        [width, height]: [u64; 2],
+        free_most: u8,
+    ) -> Result<Self, GridError> {
+        Self::check_size(width, height)?;
+        if cells.len() as u64 != width * height {
+            let (has, needs) = (cells.len(), width * height);
+            return Err(GridError::CellCount { width, height, has, needs });
+        }
+        let width = width as usize;
+        let mut grid = Self::new(width, height as usize);
+        for (y, row) in cells.chunks_exact(width).enumerate() {
+            let [occupied, unknown, _] = grid.rows_mut(y);
+            for (x, cell) in row.iter().enumerate() {
+                match u8::try_from(*cell) {
+                    Ok(percent) if percent <= free_most => {}
+                    Ok(0..=100) => occupied[x / 64] |= 1 << (x % 64),
+                    _ => unknown[x / 64] |= 1 << (x % 64),
+                }
+            }
+        }
+        Ok(grid)
+    }
+
+    /// Whether a map may have this size.
+    pub(crate) fn check_size(width: u64, height: u64) -> Result<(), GridError> {
+        if width == 0 || height == 0 {
+            return Err(GridError::NoCells { width, height });
+        }
+        let has = width * height;
+        if has > MOST_CELLS {
+            return Err(GridError::TooManyCells { width, height, has, most: MOST_CELLS });
+        }
+        Ok(())
     }
 
     /// How many columns there are.

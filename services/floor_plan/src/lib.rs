@@ -18,26 +18,34 @@
 //! `shade / 255`; `raw` disregards `negate`. Shade is the mean of red, green and blue, in
 //! `trinary` also of alpha, if any. Pictures with 16 bits are not rounded to 8 first.
 //!
+//! [`FloorPlan::from_occupancy`] takes cells with occupancies instead of a picture; without the
+//! feature `pictures` there is nothing else.
+//!
 //! Unknown cells count as occupied unless [`UnknownCells::Free`] says otherwise.
-
-use std::path::Path;
 
 mod border;
 mod cells;
+#[cfg(feature = "pictures")]
 mod description;
 mod error;
 mod frame;
 mod grid;
 mod outlines;
+#[cfg(feature = "pictures")]
 mod picture;
 mod plan;
+#[cfg(feature = "pictures")]
+mod read;
 
-pub use description::UnknownCells;
+pub use error::GridError;
+#[cfg(feature = "pictures")]
 pub use error::MapError;
 pub use frame::MapFrame;
-pub use grid::{CellState, OccupancyGrid};
+pub use grid::{CellState, OccupancyGrid, UnknownCells};
 pub use outlines::Outlines;
 pub use plan::FloorPlan;
+#[cfg(feature = "pictures")]
+pub use read::read;
 
 /// The most cells of a map, 10,000 x 10,000. Reading a grey picture takes about a byte a cell,
 /// other pictures up to 8.
@@ -45,8 +53,3 @@ pub const MOST_CELLS: u64 = 100_000_000;
 
 /// The most corners of a map's walls. A whole building has tens of thousands.
 pub const MOST_CORNERS: usize = 1 << 22;
-
-/// Reads a map's YAML and the picture it names (relative to the YAML).
-pub fn read(path: &Path, unknown: UnknownCells) -> Result<FloorPlan, MapError> {
-    FloorPlan::read(path, unknown)
-}

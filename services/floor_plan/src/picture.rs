@@ -10,8 +10,8 @@ use crate::grid::{CellState, OccupancyGrid};
 /// occupancy, and this is the `free_thresh` that they write.
 const GREY: f64 = 0.196;
 
-/// Reads a map's picture of at most `most` cells.
-pub(crate) fn read(description: &Description, most: u64) -> Result<OccupancyGrid, MapError> {
+/// Reads a map's picture.
+pub(crate) fn read(description: &Description) -> Result<OccupancyGrid, MapError> {
     let path = &description.image;
     let unreadable = |cause| MapError::Read { path: path.clone(), cause };
     let no_picture = |cause| MapError::Picture { path: path.clone(), cause };
@@ -21,13 +21,8 @@ pub(crate) fn read(description: &Description, most: u64) -> Result<OccupancyGrid
         .into_decoder()
         .map_err(no_picture)?;
     let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 {
-        return Err(MapError::NoCells { path: path.clone(), width, height });
-    }
-    let has = u64::from(width) * u64::from(height);
-    if has > most {
-        return Err(MapError::TooManyCells { path: path.clone(), width, height, has, most });
-    }
+    OccupancyGrid::check_size(u64::from(width), u64::from(height))
+        .map_err(|cause| MapError::Grid { path: path.clone(), cause })?;
     let picture = DynamicImage::from_decoder(decoder).map_err(no_picture)?;
     Ok(grid(&picture, description))
 }

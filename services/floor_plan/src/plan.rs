@@ -1,18 +1,13 @@
 //! A map that has been read.
 
-use std::fs;
-use std::path::Path;
-
 use schemas::message::{AxisBox, FreeSpace, Solid, Vector};
 
+use crate::MOST_CORNERS;
 use crate::border;
-use crate::description::{Description, UnknownCells};
-use crate::error::MapError;
+use crate::error::GridError;
 use crate::frame::MapFrame;
-use crate::grid::OccupancyGrid;
+use crate::grid::{OccupancyGrid, UnknownCells};
 use crate::outlines::{self, Outlines, SharedVertices};
-use crate::picture;
-use crate::{MOST_CELLS, MOST_CORNERS};
 
 /// A map that has been read.
 #[derive(Debug, Clone)]
@@ -24,27 +19,53 @@ pub struct FloorPlan {
 }
 
 impl FloorPlan {
-    pub(crate) fn read(path: &Path, unknown: UnknownCells) -> Result<Self, MapError> {
-        let text = fs::read_to_string(path)
-            .map_err(|cause| MapError::Read { path: path.to_owned(), cause })?;
-        let description = Description::read(path, &text)?;
-        let grid = picture::read(&description, MOST_CELLS)?;
+    /// A map of cells with occupancies, as in ROS' `nav_msgs/OccupancyGrid`: percentages, of which
+    /// those from 0 to `free_most` are free and greater ones occupied; what is no percentage (-1)
+    /// is unknown. `origin` is `[x, y, yaw]`, as in [`crate`].
+    pub fn from_occupancy(
+        cells: &[i8],
+        [width, height]: [u32; 2],
+        resolution: f64,
+        origin: [f64; 3],
+        free_most: u8,
+        unknown: UnknownCells,
+    ) -> Result<Self, GridError> {
+        if !(resolution > 0.0 && resolution.is_finite()) {
+            let expected = "a number of metres greater than 0";
+            return Err(GridError::Field { field: "resolution", expected, has: resolution });
+        }
+        if let Some(has) = origin.into_iter().find(|coordinate| !coordinate.is_finite()) {
+            return Err(GridError::Field { field: "origin", expected: "finite", has });
+        }
+        if free_most > 99 {
+            let (expected, has) = ("a percentage from 0 to 99", f64::from(free_most));
+            return Err(GridError::Field { field: "free_most", expected, has });
+        }
+        let grid = OccupancyGrid::from_occupancy(cells, [width.into(), height.into()], free_most)?;
+        Self::new(grid, resolution, origin, f64::from(free_most) / 100.0, unknown)
+    }
+
+    pub(crate) fn new(
+        grid: OccupancyGrid,
+        resolution: f64,
+        origin: [f64; 3],
+        free_threshold: f64,
+        unknown: UnknownCells,
+    ) -> Result<Self, GridError> {
         let size = [grid.width(), grid.height()];
-        let frame = MapFrame::new(path, &description, size)?;
+        let frame = MapFrame::new(resolution, origin, size)?;
         let solid = grid.solid(unknown == UnknownCells::Free);
         let cells = size[0] * size[1];
         if solid.len() == cells {
-            let free = description.free;
-            return Err(MapError::NothingFree { path: path.to_owned(), cells, free });
+            return Err(GridError::NothingFree { cells });
         }
         let shared = match frame.is_turned() {
             true => SharedVertices::Kept,
             false => SharedVertices::Dropped,
         };
-        let outlines = outlines::trace(&solid, size, shared, MOST_CORNERS).map_err(|has| {
-            MapError::TooManyCorners { path: path.to_owned(), has, most: MOST_CORNERS }
-        })?;
-        Ok(Self { grid, frame, free_threshold: description.free, outlines })
+        let outlines = outlines::trace(&solid, size, shared, MOST_CORNERS)
+            .map_err(|has| GridError::TooManyCorners { has, most: MOST_CORNERS })?;
+        Ok(Self { grid, frame, free_threshold, outlines })
     }
 
     /// What the cells are.
@@ -57,7 +78,7 @@ impl FloorPlan {
         &self.frame
     }
 
-    /// The map's `free_thresh`.
+    /// The greatest occupancy that is free, or the map's `free_thresh`, which is not.
     pub fn free_threshold(&self) -> f64 {
         self.free_threshold
     }

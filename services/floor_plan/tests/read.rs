@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use std::path::PathBuf;
 
-use floor_plan::{CellState, FloorPlan, MOST_CORNERS, MapError, UnknownCells};
+use floor_plan::{CellState, FloorPlan, GridError, MOST_CORNERS, MapError, UnknownCells};
 use schemas::message::{AxisBox, FreeSpace, Solid};
 use tempfile::TempDir;
 
@@ -238,11 +238,11 @@ fn errors_name_the_file_and_both_numbers() {
     let (_, message) = refusal(YAML, b"P5\n10001 10000\n255\n");
     assert_eq!(
         message,
-        "maps/floor.pgm: the picture has 10001 x 10000 = 100010000 cells, but at most 100000000 \
+        "maps/floor.pgm: the map has 10001 x 10000 = 100010000 cells, but at most 100000000 \
          are allowed"
     );
     let (_, message) = refusal(YAML, b"P5\n0 4\n255\n");
-    assert_eq!(message, "maps/floor.pgm: the picture has 0 x 4 cells, but needs at least 1 x 1");
+    assert_eq!(message, "maps/floor.pgm: the map has 0 x 4 cells, but needs at least 1 x 1");
     let (_, message) = refusal(YAML, b"P2\n3 1\n255\n0 100 191\n");
     assert_eq!(
         message,
@@ -282,6 +282,51 @@ fn noise_is_refused() {
     let mut picture = format!("P5\n{side} {side}\n255\n").into_bytes();
     picture.extend((0..side * side).map(|i| if (i / side + i % side) % 2 == 0 { 0 } else { 255 }));
     let (error, message) = refusal(YAML, &picture);
-    let MapError::TooManyCorners { has, most, .. } = error else { panic!("{error}") };
+    let MapError::Grid { cause: GridError::TooManyCorners { has, most }, .. } = error else {
+        panic!("{error}")
+    };
     assert_eq!((has, most), (side * side * 2, MOST_CORNERS), "{message}");
+}
+
+#[test]
+fn cells_in_memory_are_the_map_of_their_picture() {
+    let picture = b"P2\n3 2\n255\n255 205 0\n255 255 254\n";
+    for (unknown, origin) in [(UnknownCells::Occupied, "0"), (UnknownCells::Free, "0.3")] {
+        let yaml = YAML.replace("10, -4, 0", &format!("10, -4, {origin}")).replace("0.25", "0.19");
+        let (_folder, path) = folder(&yaml, picture);
+        let read = floor_plan::read(&path, unknown).unwrap();
+        // Rows from below; 101 to 127 and what is less than 0 are no percentages.
+        for nothing in [-1, -128, 101, 127] {
+            let cells = [0, 25, 1, 0, nothing, 26];
+            let origin = [10.0, -4.0, origin.parse().unwrap()];
+            let plan = FloorPlan::from_occupancy(&cells, [3, 2], 0.5, origin, 25, unknown).unwrap();
+            assert_eq!(plan.free_space(), read.free_space());
+        }
+    }
+}
+
+#[test]
+fn cells_that_are_no_map_are_refused() {
+    let map = |cells: &[i8], size, resolution, x, free_most| {
+        let origin = [x, 0.0, 0.0];
+        let unknown = UnknownCells::Occupied;
+        FloorPlan::from_occupancy(cells, size, resolution, origin, free_most, unknown)
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(map(&[0; 5], [3, 2], 0.5, 0.0, 25), "there are 5 cells, but 3 x 2 = 6 are needed");
+    let most = "but at most 100000000 are allowed";
+    let large = map(&[], [u32::MAX, u32::MAX], 0.5, 0.0, 25);
+    assert_eq!(
+        large,
+        format!("the map has 4294967295 x 4294967295 = 18446744065119617025 cells, {most}")
+    );
+    assert_eq!(map(&[], [0, 2], 0.5, 0.0, 25), "the map has 0 x 2 cells, but needs at least 1 x 1");
+    assert_eq!(map(&[26, -1], [2, 1], 0.5, 0.0, 25), "none of the map's 2 cells is free");
+    let resolution = "must be a number of metres greater than 0";
+    assert_eq!(map(&[0], [1, 1], -0.5, 0.0, 25), format!("resolution is -0.5, {resolution}"));
+    assert_eq!(map(&[0], [1, 1], f64::NAN, 0.0, 25), format!("resolution is NaN, {resolution}"));
+    assert_eq!(map(&[0], [1, 1], 0.5, f64::INFINITY, 25), "origin is inf, must be finite");
+    let percentage = "free_most is 100, must be a percentage from 0 to 99";
+    assert_eq!(map(&[0], [1, 1], 0.5, 0.0, 100), percentage);
 }

@@ -4,6 +4,7 @@ mod block;
 mod client;
 mod errors;
 mod leg;
+mod occupancy;
 mod recording_file;
 mod reply;
 mod scene;
@@ -14,6 +15,7 @@ use pyo3::prelude::*;
 fn _clearway(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("ERROR_CODES", errors::codes())?;
+    module.add_function(wrap_pyfunction!(occupancy::free_space_of_cells, module)?)?;
     module.add_class::<client::Client>()?;
     module.add_class::<client::Pending>()?;
     module.add_class::<scene::Scene>()?;

@@ -26,6 +26,7 @@ from ._clearway import (
 )
 from ._client import Client
 from ._errors import *
+from ._maps import free_space_of_grid
 from ._plot import plot
 
 
@@ -46,6 +47,7 @@ __all__ = [
     "Reply",
     "Scene",
     "Trajectory",
+    "free_space_of_grid",
     "plot",
     "read_recording",
     *_errors.__all__,

@@ -144,6 +144,14 @@ class RecordedReply:
     refusal: RefusedError | None
 
 def read_recording(path: str | PathLike[str]) -> Recording: ...
+def free_space_of_grid(
+    cells: numpy.typing.ArrayLike,
+    resolution: float,
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    *,
+    free_most: int = 25,
+    unknown: str = "occupied",
+) -> dict[str, Any]: ...
 def plot(reply: Reply | Trajectory, scene: AnyScene | None = None, *, ax: Any = None) -> Any:
     """Draws the paths of a reply with matplotlib, over its scene if that is given."""
 
