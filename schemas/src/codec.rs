@@ -22,7 +22,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-use crate::message::{ReplyPart, Request};
+use crate::message::{ReplyPart, Request, Sample, Trajectory};
 
 /// Version of recorded messages.
 pub const VERSION: u32 = 2;
@@ -73,6 +73,40 @@ fn configuration() -> Configuration<LittleEndian, Fixint, Limit<MOST_BYTES>> {
 pub fn encode_into<T: Serialize>(message: &T, bytes: &mut Vec<u8>) {
     bincode::serde::encode_into_std_write(message, bytes, configuration())
         .expect("messages have no maps of unknown length, and a Vec takes any number of bytes");
+}
+
+/// The same for a part of a reply whose samples lie elsewhere, perhaps where the planner wrote them:
+/// `samples` take the place of its own, which are not looked at. They are copied as they are.
+pub fn encode_part_into(part: &ReplyPart, samples: &[Sample], bytes: &mut Vec<u8>) {
+    let Ok(trajectory) = &part.content else { return encode_into(part, bytes) };
+    let ReplyPart { key, id, sent_ns, part, last, answer, answers, content: _ } = part;
+    let Trajectory {
+        dimension,
+        gaps_per_junction,
+        exit,
+        length,
+        bound,
+        complete,
+        duration,
+        clearance,
+        free_clearance,
+        gaps,
+        route,
+        channels,
+        legs,
+        samples: _,
+    } = trajectory;
+    // Fields are encoded one after the other, whatever they are in.
+    let of_part = (key, id, sent_ns, part, last, answer, answers);
+    let is_refusal = 0_u32;
+    let of_path = (dimension, gaps_per_junction, exit, length, bound, complete);
+    let more = (duration, clearance, free_clearance, gaps, route, channels, legs);
+    encode_into(&(of_part, is_refusal, of_path, more, samples.len() as u64), bytes);
+    if cfg!(target_endian = "little") {
+        bytes.extend_from_slice(bytemuck::cast_slice(samples));
+    } else {
+        samples.iter().for_each(|sample| encode_into(sample, bytes));
+    }
 }
 
 /// `message` as bytes.

@@ -50,7 +50,15 @@ proptest! {
     #[test]
     fn reply_parts_as_bytes(part in part(numbers())) {
         let bytes = codec::encode(&part);
-        prop_assert_eq!(codec::decode::<ReplyPart>(&bytes).unwrap(), part);
+        prop_assert_eq!(&codec::decode::<ReplyPart>(&bytes).unwrap(), &part);
+        let mut apart = part;
+        let mut samples = vec![Sample { t: 7.0, ..Sample::default() }];
+        if let Ok(trajectory) = &mut apart.content {
+            std::mem::swap(&mut trajectory.samples, &mut samples);
+        }
+        let mut in_place = vec![7];
+        codec::encode_part_into(&apart, &samples, &mut in_place);
+        prop_assert_eq!(&in_place[1..], bytes);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{AllocationStrategy, CallbackProgression, PortFactory, ipc};
 use schemas::convert::{self, Malformed};
-use schemas::message::{Digest, ReplyPart, Request};
+use schemas::message::{Digest, ReplyPart, Request, Sample};
 use schemas::wire;
 
 use crate::cause::Cause;
@@ -229,6 +229,24 @@ pub enum TapMessage {
     Reply(ReplyPart),
 }
 
+impl TapEvent {
+    /// The samples of a part of a reply, if it is one with a path.
+    fn samples(&mut self) -> Option<&mut Vec<Sample>> {
+        let Self::Message(TapMessage::Reply(part)) = self else { return None };
+        part.content.as_mut().ok().map(|trajectory| &mut trajectory.samples)
+    }
+
+    fn take_samples(&mut self) -> Vec<Sample> {
+        self.samples().map(std::mem::take).unwrap_or_default()
+    }
+
+    fn set_samples(&mut self, samples: &[Sample]) {
+        if let Some(own) = self.samples() {
+            *own = samples.to_vec();
+        }
+    }
+}
+
 /// A recorder's end of the tap.
 ///
 /// ```no_run
@@ -306,10 +324,23 @@ impl TapReader {
 
     /// The next event, if there is one.
     pub fn receive(&mut self) -> Option<TapEvent> {
-        if let Some(event) = self.waiting.pop_front() {
-            return Some(event);
-        }
+        self.receive_in_place(|mut event, samples| {
+            event.set_samples(samples);
+            event
+        })
+    }
+
+    /// Hands the next event to `take`, if there is one; samples of a part of a reply are not in it,
+    /// but beside it, where the planner wrote them.
+    pub fn receive_in_place<T>(
+        &mut self,
+        take: impl FnOnce(TapEvent, &[Sample]) -> T,
+    ) -> Option<T> {
         loop {
+            if let Some(mut event) = self.waiting.pop_front() {
+                let samples = event.take_samples();
+                return Some(take(event, &samples));
+            }
             let sample = match self.port.receive() {
                 Ok(sample) => sample?,
                 Err(error) => {
@@ -332,24 +363,30 @@ impl TapReader {
                 self.place.unwrap_or_else(|| Place::first(self.begin, header.sequence, piece));
             let (step, next) = place.step(header.sequence, piece);
             self.place = Some(next);
+            self.waiting.extend(restarted.then_some(TapEvent::Restarted));
             let lost = (step.lost > 0).then_some(TapEvent::Lost { messages: step.lost });
-            let restarted = restarted.then_some(TapEvent::Restarted);
-            let message = match piece {
-                Some(piece) if step.keep => self.assemble(&header, piece, sample.payload()),
-                _ => None,
-            };
-            let shown = match header.kind {
-                BEAT if !sample.payload().is_empty() => {
-                    self.assemble_shown(Piece::from_code(header.piece), sample.payload())
-                }
-                _ => None,
-            };
-            self.waiting.extend(restarted.into_iter().chain(lost));
-            self.waiting.extend(message.map(TapEvent::Message));
-            self.waiting.extend(shown.map(TapEvent::FreeSpace));
-            if let Some(event) = self.waiting.pop_front() {
-                return Some(event);
+            self.waiting.extend(lost);
+            if header.kind == BEAT && !sample.payload().is_empty() {
+                let piece = Piece::from_code(header.piece);
+                let shown = self.assemble_shown(piece, sample.payload());
+                self.waiting.extend(shown.map(TapEvent::FreeSpace));
             }
+            let Some(piece) = piece.filter(|_| step.keep) else { continue };
+            let whole = if piece == (Piece { index: 0, ends: true }) {
+                None
+            } else if let Some(cells) = self.assemble(piece, sample.payload()) {
+                Some(cells)
+            } else {
+                continue;
+            };
+            let cells = whole.as_deref().unwrap_or(sample.payload());
+            let Some((message, samples)) = read_message(&header, cells) else { continue };
+            let mut event = TapEvent::Message(message);
+            if self.waiting.is_empty() {
+                return Some(take(event, samples));
+            }
+            event.set_samples(samples);
+            self.waiting.push_back(event);
         }
     }
 
@@ -376,21 +413,13 @@ impl TapReader {
         self.service.dynamic_config().number_of_publishers() > 0
     }
 
-    /// The message that is complete with this piece.
-    fn assemble(
-        &mut self,
-        header: &wire::TapHeader,
-        piece: Piece,
-        cells: &[u64],
-    ) -> Option<TapMessage> {
-        if piece == (Piece { index: 0, ends: true }) {
-            return read_message(header, cells);
-        }
+    /// The memory of a message in pieces that is complete with this one.
+    fn assemble(&mut self, piece: Piece, cells: &[u64]) -> Option<Vec<u64>> {
         if piece.index == 0 {
             self.begun.clear();
         }
         self.begun.extend_from_slice(cells);
-        piece.ends.then(|| read_message(header, &std::mem::take(&mut self.begun)))?
+        piece.ends.then(|| std::mem::take(&mut self.begun))
     }
 
     /// The request with a free space that is complete with this piece. One that lacks a piece is
@@ -467,13 +496,18 @@ impl Place {
     }
 }
 
-fn read_message(header: &wire::TapHeader, cells: &[u64]) -> Option<TapMessage> {
+/// A message, and the samples of a part of a reply, which stay where they are.
+fn read_message<'a>(
+    header: &wire::TapHeader,
+    cells: &'a [u64],
+) -> Option<(TapMessage, &'a [Sample])> {
     let read = match header.kind {
-        REQUEST => split::<wire::RequestHeader>(cells)
-            .map(|(header, cells)| TapMessage::Request(convert::read_request(&header, cells))),
+        REQUEST => split::<wire::RequestHeader>(cells).map(|(header, cells)| {
+            (TapMessage::Request(convert::read_request(&header, cells)), &[][..])
+        }),
         REPLY => split::<wire::ReplyHeader>(cells)
-            .and_then(|(header, cells)| convert::read_part(&header, cells))
-            .map(TapMessage::Reply),
+            .and_then(|(header, cells)| convert::read_part_in_place(&header, cells))
+            .map(|(part, samples)| (TapMessage::Reply(part), samples)),
         code => Err(Malformed::UnknownCode {
             what: "tap kind",
             code: code.into(),

@@ -66,7 +66,9 @@ pub use parts::Dropped;
 pub use read::Reader;
 pub use record::{Aside, Heartbeat, Message, Record};
 pub use recover::{RecoverError, Recovered, recover};
-pub use series::{CONTINUED_KEY, CONTINUES_KEY, FILE_KEY, Finished, SERIES_KEY, Series, Split};
+pub use series::{
+    CONTINUED_KEY, CONTINUES_KEY, FILE_KEY, Finished, PartHead, SERIES_KEY, Series, Split,
+};
 pub use summary::Summary;
 pub use uploads::Uploads;
 pub use write::{ForeignChannel, ForeignChannelId, Writer};

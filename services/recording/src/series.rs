@@ -93,6 +93,28 @@ struct Open {
     lacks: Option<Digest>,
 }
 
+/// What is to be known of a part of a reply that is encoded already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PartHead {
+    /// See [`ReplyPart::key`].
+    pub key: RequestKey,
+    /// See [`ReplyPart::sent_ns`].
+    pub sent_ns: u64,
+    /// See [`ReplyPart::last`].
+    pub last: bool,
+    /// Why there is no path, if there is none.
+    pub refusal: Option<ErrorCode>,
+}
+
+impl PartHead {
+    /// That of a part.
+    pub fn of(part: &ReplyPart) -> Self {
+        let ReplyPart { key, sent_ns, last, .. } = *part;
+        let refusal = part.content.as_ref().err().map(|refusal| refusal.code);
+        Self { key, sent_ns, last, refusal }
+    }
+}
+
 /// A recording that has ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finished {
@@ -259,17 +281,30 @@ impl Series {
     /// Appends a part of a reply; see [`Writer::write_reply`].
     pub fn write_reply(&mut self, part: &ReplyPart, log_ns: u64) -> Result<(), WriteError> {
         self.writer()?.write_reply(part, log_ns)?;
-        let lacks = self.open.get_mut(&part.key).and_then(|open| open.lacks.take());
-        // What the planner does not know either is not missing.
-        let is_known = !part
-            .content
-            .as_ref()
-            .is_err_and(|refusal| refusal.code == ErrorCode::UnknownFreeSpace);
-        self.missing.extend(lacks.filter(|_| is_known));
-        if part.last {
-            self.open.remove(&part.key);
-        }
+        self.note_reply(&PartHead::of(part));
         Ok(())
+    }
+
+    /// The same for one that is encoded already; see [`Writer::write_encoded_reply`].
+    pub fn write_encoded_reply(
+        &mut self,
+        head: &PartHead,
+        part: &[u8],
+        log_ns: u64,
+    ) -> Result<(), WriteError> {
+        self.writer()?.write_encoded_reply(head.sent_ns, part, log_ns)?;
+        self.note_reply(head);
+        Ok(())
+    }
+
+    fn note_reply(&mut self, head: &PartHead) {
+        let lacks = self.open.get_mut(&head.key).and_then(|open| open.lacks.take());
+        // What the planner does not know either is not missing.
+        let is_known = head.refusal != Some(ErrorCode::UnknownFreeSpace);
+        self.missing.extend(lacks.filter(|_| is_known));
+        if head.last {
+            self.open.remove(&head.key);
+        }
     }
 
     /// Appends what a planner says of itself; see [`Writer::write_status`].

@@ -210,21 +210,44 @@ impl<W: Write> Writer<W> {
     /// Appends a request that the recorder took at `log_ns`, nanoseconds since the Unix
     /// epoch. Messages are appended in bus order.
     pub fn write_request(&mut self, request: &Request, log_ns: u64) -> Result<(), WriteError> {
-        self.bytes.clear();
-        codec::encode_into(request, &mut self.bytes);
-        self.append(Topic::Request, request.sent_ns, log_ns)
+        let mut bytes = std::mem::take(&mut self.bytes);
+        bytes.clear();
+        codec::encode_into(request, &mut bytes);
+        let written = self.append(Topic::Request, request.sent_ns, &bytes, log_ns);
+        self.bytes = bytes;
+        written
     }
 
     /// Appends a part of a reply that the recorder took at `log_ns`, nanoseconds since
     /// the Unix epoch. Messages are appended in bus order.
     pub fn write_reply(&mut self, part: &ReplyPart, log_ns: u64) -> Result<(), WriteError> {
-        self.bytes.clear();
-        codec::encode_into(part, &mut self.bytes);
-        self.append(Topic::Reply, part.sent_ns, log_ns)
+        let samples = part.content.as_ref().map_or(&[][..], |trajectory| &trajectory.samples);
+        let mut bytes = std::mem::take(&mut self.bytes);
+        bytes.clear();
+        codec::encode_part_into(part, samples, &mut bytes);
+        let written = self.write_encoded_reply(part.sent_ns, &bytes, log_ns);
+        self.bytes = bytes;
+        written
     }
 
-    fn append(&mut self, topic: Topic, sent_ns: u64, log_ns: u64) -> Result<(), WriteError> {
-        let bytes = self.bytes.len();
+    /// The same for one that is encoded already ([`codec::encode_part_into`]).
+    pub fn write_encoded_reply(
+        &mut self,
+        sent_ns: u64,
+        part: &[u8],
+        log_ns: u64,
+    ) -> Result<(), WriteError> {
+        self.append(Topic::Reply, sent_ns, part, log_ns)
+    }
+
+    fn append(
+        &mut self,
+        topic: Topic,
+        sent_ns: u64,
+        message: &[u8],
+        log_ns: u64,
+    ) -> Result<(), WriteError> {
+        let bytes = message.len();
         if bytes > MOST_MESSAGE_BYTES {
             self.lost(1);
             return Err(WriteError::TooLarge { bytes, most: MOST_MESSAGE_BYTES });
@@ -239,7 +262,6 @@ impl<W: Write> Writer<W> {
             log_time: log_ns,
             publish_time: sent_ns,
         };
-        let message = &self.bytes;
         self.state.run(|writer| writer.write_to_known_channel(&header, message))?;
         self.chunk += (MESSAGE_HEAD + bytes) as u64;
         self.time_ns = log_ns;

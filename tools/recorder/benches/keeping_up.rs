@@ -1,7 +1,8 @@
 //! How much a recorder takes in: the traffic at which it begins to lose messages beside a plain
-//! buffered write in the same run, and how long it, or its disk, may stand still.
+//! buffered write in the same run, beside what is lost if the samples of the same traffic are only
+//! looked at, or only written to a plain file; and how long it, or its disk, may stand still.
 //!
-//! `cargo bench -p clearway-recorder`
+//! `cargo bench -p clearway-recorder [-- none]`: of one kind of file only
 
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
@@ -11,20 +12,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use bus::{Client, Domain, Server, ServerOptions, Wait};
+use bus::{Client, Domain, Server, ServerOptions, TapEvent, TapReader, Wait};
 use recorder::Settings;
 use recording::Compression;
 use rustix::process::{Pid, Signal, kill_process};
+use rustix::time::{ClockId, clock_gettime};
 use schemas::convert::PartSink;
-use schemas::message::SceneRequest;
+use schemas::message::{Sample, SceneRequest};
 use schemas::wire::{PART_CELLS, ReplyHeader, SAMPLE_CELLS, VERSION};
 
 /// Names the recording to a process that records it; the folder of the domain, and the compression.
 const OUTPUT: &str = "CLEARWAY_BENCH_OUTPUT";
 const COMPRESSION: &str = "CLEARWAY_BENCH_COMPRESSION";
 
+/// What stands for no recording: nothing is done, or samples are written to a file one after the other.
+const LOOK: &str = "only looked at";
+const PLAIN: &str = "a plain file";
+
 /// How long each rate is kept up.
-const TIME: Duration = Duration::from_secs(4);
+const TIME: Duration = Duration::from_secs(2);
 
 /// Samples of a part that is full.
 const FULL: usize = PART_CELLS / SAMPLE_CELLS;
@@ -37,11 +43,18 @@ fn main() {
     let raw = raw_bandwidth(folder.path());
     println!("a plain buffered write: {:.0} MB/s", raw / 1e6);
     let mut bus = Bus::open(folder.path());
-    for compression in ["none", "lz4", "zstd"] {
-        println!("\n{compression}: MB/s asked for, sent, and messages sent, lost");
+    let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    for compression in [LOOK, PLAIN, "none", "lz4", "zstd"] {
+        if only.as_ref().is_some_and(|only| only != compression) {
+            continue;
+        }
+        println!("\n{compression}: MB/s asked for, sent; messages sent, lost; CPU, µs per MB");
         for percent in [10, 20, 30, 40, 50, 60, 70, 80, 90, 100] {
             bus.keep_up(compression, percent, raw * f64::from(percent) / 100.0);
         }
+    }
+    if only.is_some() {
+        return;
     }
     println!("\nthe longest time without a loss that the recorder, or its disk, stands still");
     for rate in [1_000, 10_000, 50_000] {
@@ -59,6 +72,12 @@ fn domain(folder: &Path) -> Domain {
 fn record(output: &Path) {
     let folder = output.parent().expect("it is in a folder");
     let compression = match std::env::var(COMPRESSION).as_deref() {
+        Ok(LOOK) => return take_samples(folder, |_| {}),
+        Ok(PLAIN) => {
+            let file = File::create(output).expect("a new file");
+            let mut file = BufWriter::with_capacity(1 << 20, file);
+            return take_samples(folder, |bytes| file.write_all(bytes).expect("there is room"));
+        }
         Ok("lz4") => Compression::Lz4,
         Ok("zstd") => Compression::Zstd,
         _ => Compression::None,
@@ -67,24 +86,55 @@ fn record(output: &Path) {
     let settings = Settings::new(output.to_owned(), domain(folder));
     let ended = recorder::run(&Settings { compression, overwrite, ..settings });
     let summary = ended.expect("there is room").finished.summary;
-    println!("{} {}", summary.recorded, summary.lost);
+    println!("{} {} {}", summary.recorded, summary.lost, processor_us());
 }
 
-/// Bytes per second of a plain buffered write: the best of five.
+/// Takes samples off the tap until told to end, and says how many messages came and were lost.
+fn take_samples(folder: &Path, mut take: impl FnMut(&[u8])) {
+    let mut tap = TapReader::connect(&domain(folder)).expect("a planner");
+    let (mut messages, mut lost) = (0, 0);
+    loop {
+        let ends = tap.terminated();
+        let taken = tap.receive_in_place(|event, samples| match event {
+            TapEvent::Lost { messages } => lost += messages,
+            TapEvent::Message(_) => {
+                messages += 1;
+                take(bytemuck::cast_slice(samples));
+            }
+            _ => {}
+        });
+        match taken {
+            None if ends => break,
+            None => std::thread::sleep(Duration::from_millis(1)),
+            Some(()) => {}
+        }
+    }
+    println!("{messages} {} {}", lost + tap.waiting(), processor_us());
+}
+
+/// Bytes per second of a plain buffered write for as long as the traffic takes: the best of two. What
+/// fits into the page cache is written several times as fast as what the disk has to take.
 fn raw_bandwidth(folder: &Path) -> f64 {
     let (path, piece) = (folder.join("plain"), vec![7; 32 << 10]);
-    let mut best = Duration::MAX;
-    for _ in 0..5 {
-        let begun = Instant::now();
+    let rates = [(); 2].map(|()| {
+        let (begun, mut pieces) = (Instant::now(), 0);
         let mut file = BufWriter::with_capacity(1 << 20, File::create(&path).expect("a new file"));
-        for _ in 0..8 << 10 {
+        while begun.elapsed() < TIME {
             file.write_all(&piece).expect("there is room");
+            pieces += 1;
         }
         file.flush().expect("there is room");
-        best = best.min(begun.elapsed());
+        let rate = (pieces * piece.len()) as f64 / begun.elapsed().as_secs_f64();
         std::fs::remove_file(&path).expect("it was written");
-    }
-    (piece.len() << 13) as f64 / best.as_secs_f64()
+        rate
+    });
+    rates[0].max(rates[1])
+}
+
+/// The time that this process has had of the processors, microseconds.
+fn processor_us() -> u128 {
+    let now = clock_gettime(ClockId::ProcessCPUTime);
+    Duration::new(now.tv_sec as u64, now.tv_nsec as u32).as_micros()
 }
 
 /// The longest time for which `holds`, up to 1/16 of it.
@@ -106,6 +156,7 @@ struct Bus<'a> {
     server: Server,
     client: Client,
     cells: Vec<u64>,
+    motion: Vec<Sample>,
 }
 
 impl<'a> Bus<'a> {
@@ -113,7 +164,11 @@ impl<'a> Bus<'a> {
         let domain = domain(folder);
         let server = Server::open(&domain, &ServerOptions::default()).expect("the only planner");
         let client = Client::connect(&domain, Wait::Poll).expect("a planner");
-        Self { folder, server, client, cells: Vec::new() }
+        let sample = |at: usize| {
+            let t = at as f64 * 0.37;
+            Sample { t, position: [t + 0.04, t + 0.08, 0.0], heading: t, ..Sample::default() }
+        };
+        Self { folder, server, client, cells: Vec::new(), motion: (0..FULL).map(sample).collect() }
     }
 
     /// A request and a reply of so many parts. Its bytes in a recording, about.
@@ -133,10 +188,11 @@ impl<'a> Bus<'a> {
                 last: u32::from(part + 1 == parts),
                 ..ReplyHeader::default()
             };
-            let cells = samples * SAMPLE_CELLS;
+            let motion = &self.motion[..samples];
             let fill = |writer: &mut schemas::convert::CellWriter<'_>| {
-                (0..cells).for_each(|at| writer.push_f64(at as f64 * 0.37));
+                motion.iter().for_each(|sample| writer.push_pod(sample));
             };
+            let cells = samples * SAMPLE_CELLS;
             incoming.reply().part(&header, cells, fill).expect("the client is there");
         }
         drop(incoming);
@@ -174,8 +230,8 @@ impl<'a> Bus<'a> {
         child
     }
 
-    /// Messages recorded and lost.
-    fn end(&mut self, child: Child) -> (u64, u64) {
+    /// Messages recorded and lost, and the recorder's time of the processors, microseconds.
+    fn end(&mut self, child: Child) -> (u64, u64, u64) {
         // The last heartbeat.
         let until = Instant::now() + Duration::from_millis(150);
         while Instant::now() < until {
@@ -185,18 +241,21 @@ impl<'a> Bus<'a> {
         let done = child.wait_with_output().expect("it runs");
         let said = String::from_utf8(done.stdout).expect("numbers");
         let mut numbers = said.split_whitespace().map(|text| text.parse().expect("a number"));
-        (numbers.next().expect("two numbers"), numbers.next().expect("two numbers"))
+        let mut next = || numbers.next().expect("three numbers");
+        (next(), next(), next())
     }
 
     fn keep_up(&mut self, compression: &str, percent: u32, rate: f64) {
         let child = self.recorder("run.mcap", compression);
         let (calls, bytes) = self.calls((4, FULL), rate, TIME);
-        let (recorded, lost) = self.end(child);
+        let (recorded, lost, processor) = self.end(child);
         assert_eq!(recorded + lost, calls * 5);
+        let each = processor as f64 / (recorded.max(1) as f64 * bytes as f64 / (calls * 5) as f64);
         let sent = bytes as f64 / TIME.as_secs_f64() / 1e6;
         let asked = rate / 1e6;
-        println!("{percent:>4} % {asked:>7.0} {sent:>7.0} {:>9} {lost:>9}", recorded + lost);
-        std::fs::remove_file(self.folder.join("run.mcap")).expect("it was recorded");
+        let sum = recorded + lost;
+        println!("{percent:>4} % {asked:>7.0} {sent:>7.0} {sum:>9} {lost:>9} {:>7.0}", 1e6 * each);
+        let _ = std::fs::remove_file(self.folder.join("run.mcap"));
     }
 
     /// Small messages: two a call.
@@ -214,7 +273,7 @@ impl<'a> Bus<'a> {
         self.small_calls(rate, time);
         kill_process(pid, Signal::CONT).expect("it runs");
         self.small_calls(rate, Duration::from_millis(50));
-        let (_, lost) = self.end(child);
+        let (_, lost, _) = self.end(child);
         std::fs::remove_file(self.folder.join("run.mcap")).expect("it was recorded");
         lost == 0
     }
@@ -243,7 +302,7 @@ impl<'a> Bus<'a> {
         self.small_calls(rate, time);
         is_stuck.store(false, Ordering::Relaxed);
         self.small_calls(rate, Duration::from_millis(50));
-        let (_, lost) = self.end(child);
+        let (_, lost, _) = self.end(child);
         drain.join().expect("it only reads");
         std::fs::remove_file(pipe).expect("a pipe");
         lost == 0

@@ -6,27 +6,65 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use bus::TapMessage;
-use recording::{Finished, Options, Series, Split, Summary, Uploads, WriteError};
+use recording::{Finished, Options, PartHead, Series, Split, Summary, Uploads, WriteError};
 use schemas::codec;
-use schemas::message::{Digest, ErrorCode, Request};
+use schemas::message::{Digest, ErrorCode, ReplyPart, Request, Sample};
 
 use crate::progress::Written;
 use crate::settings::{Settings, Snapshot};
 use crate::size;
 
-/// What the taking thread hands over.
+/// What the taking thread hands over: messages, and what came between them, in order.
+#[derive(Debug, Default)]
+pub(crate) struct Batch {
+    pub(crate) taken: Vec<Taken>,
+    /// The parts of replies, encoded, one after the other.
+    pub(crate) parts: Vec<u8>,
+}
+
+impl Batch {
+    /// Adds a part of a reply whose samples lie elsewhere.
+    pub(crate) fn add_part(&mut self, part: &ReplyPart, samples: &[Sample], log_ns: u64) {
+        let before = self.parts.len();
+        codec::encode_part_into(part, samples, &mut self.parts);
+        let bytes = self.parts.len() - before;
+        self.taken.push(Taken::Reply { head: PartHead::of(part), bytes, log_ns });
+    }
+
+    /// Takes out what it holds, each with the bytes of its part of a reply.
+    fn drain(&mut self) -> impl Iterator<Item = (Taken, &[u8])> {
+        let mut parts = &self.parts[..];
+        self.taken.drain(..).map(move |taken| {
+            let Taken::Reply { bytes, .. } = taken else { return (taken, &[][..]) };
+            let (part, rest) = parts.split_at(bytes);
+            parts = rest;
+            (taken, part)
+        })
+    }
+
+    /// Forgets what it holds, not its memory.
+    fn clear(&mut self) {
+        self.taken.clear();
+        self.parts.clear();
+    }
+}
+
+/// What came.
 #[derive(Debug, Clone)]
 pub(crate) enum Taken {
-    Message {
-        message: TapMessage,
+    Request {
+        request: Box<Request>,
         log_ns: u64,
-        /// Messages that waited then, now and then.
-        waiting: Option<u64>,
+    },
+    /// A part of a reply, which has so many bytes.
+    Reply {
+        head: PartHead,
+        bytes: usize,
+        log_ns: u64,
     },
     /// A request before the recording that made a free space known.
     FreeSpace {
-        request: Request,
+        request: Box<Request>,
     },
     Status {
         json: String,
@@ -34,6 +72,11 @@ pub(crate) enum Taken {
     },
     Lost {
         messages: u64,
+    },
+    /// How many messages wait.
+    Heartbeat {
+        time_ns: u64,
+        waiting: u64,
     },
     /// The time, and messages that wait, if that is news.
     Flush {
@@ -98,12 +141,17 @@ impl Store {
         Ok(store)
     }
 
-    pub(crate) fn store(&mut self, taken: Taken) -> Result<(), WriteError> {
-        let is_flush = matches!(taken, Taken::Flush { .. });
-        match &mut self.target {
-            Target::Files(series) => into_files(series, taken)?,
-            Target::Memory(ring) => ring.keep(taken)?,
+    /// Stores what a batch holds, and empties it.
+    pub(crate) fn store(&mut self, batch: &mut Batch) -> Result<(), WriteError> {
+        let mut is_flush = false;
+        for (taken, part) in batch.drain() {
+            is_flush |= matches!(taken, Taken::Flush { .. });
+            match &mut self.target {
+                Target::Files(series) => into_files(series, taken, part)?,
+                Target::Memory(ring) => ring.keep(taken, part)?,
+            }
         }
+        batch.clear();
         if is_flush {
             self.report();
         }
@@ -143,17 +191,14 @@ impl Store {
     }
 }
 
-fn into_files(series: &mut Series, taken: Taken) -> Result<(), WriteError> {
+/// `part` is the part of a reply.
+fn into_files(series: &mut Series, taken: Taken, part: &[u8]) -> Result<(), WriteError> {
     let written = match taken {
-        Taken::Message { message, log_ns, waiting } => {
-            let written = match message {
-                TapMessage::Request(request) => series.write_request(&request, log_ns),
-                TapMessage::Reply(part) => series.write_reply(&part, log_ns),
-            };
-            if let Some(waiting) = waiting {
-                series.heartbeat(log_ns, waiting);
-            }
-            written
+        Taken::Request { request, log_ns } => series.write_request(&request, log_ns),
+        Taken::Reply { head, bytes: _, log_ns } => series.write_encoded_reply(&head, part, log_ns),
+        Taken::Heartbeat { time_ns, waiting } => {
+            series.heartbeat(time_ns, waiting);
+            Ok(())
         }
         Taken::FreeSpace { request } => {
             series.know_one(&request);
@@ -205,6 +250,8 @@ struct Kept {
     when: Instant,
     bytes: u64,
     taken: Taken,
+    /// The part of a reply, encoded.
+    part: Box<[u8]>,
 }
 
 impl Ring {
@@ -233,7 +280,7 @@ impl Ring {
         self.stored
     }
 
-    fn keep(&mut self, taken: Taken) -> Result<(), WriteError> {
+    fn keep(&mut self, taken: Taken, part: &[u8]) -> Result<(), WriteError> {
         let now = Instant::now();
         while self.kept.front().is_some_and(|kept| now - kept.when > self.time) {
             self.forget_oldest();
@@ -244,21 +291,22 @@ impl Ring {
                 // At a flush, so that several refusals at once are one snapshot.
                 return if std::mem::take(&mut self.is_due) { self.write() } else { Ok(()) };
             }
-            Taken::Message { message: TapMessage::Reply(ref part), .. } => {
-                let refusal = part.content.as_ref().err();
-                self.is_due |= refusal.is_some_and(|refusal| self.on.contains(&refusal.code));
+            Taken::Reply { head, .. } => {
+                self.is_due |= head.refusal.is_some_and(|code| self.on.contains(&code));
             }
-            Taken::Message { message: TapMessage::Request(ref request), .. } => {
+            Taken::Request { ref request, .. } => {
                 self.uploads.note(request);
             }
             Taken::FreeSpace { ref request } => {
                 self.uploads.note(request);
                 return Ok(());
             }
+            // It is about files.
+            Taken::Heartbeat { .. } => return Ok(()),
             Taken::Status { .. } | Taken::Lost { .. } => {}
         }
         let bytes = self.size(&taken);
-        self.kept.push_back(Kept { when: now, bytes, taken });
+        self.kept.push_back(Kept { when: now, bytes, taken, part: part.into() });
         self.bytes += bytes;
         while self.bytes > self.most_bytes {
             if self.cut.is_none() {
@@ -283,17 +331,16 @@ impl Ring {
     /// file.
     fn size(&mut self, taken: &Taken) -> u64 {
         self.scratch.clear();
-        match taken {
-            Taken::Message { message: TapMessage::Request(request), .. } => {
-                codec::encode_into(request, &mut self.scratch);
+        let more = match taken {
+            Taken::Request { request, .. } => {
+                codec::encode_into(&**request, &mut self.scratch);
+                self.scratch.len() + size_of::<Request>()
             }
-            Taken::Message { message: TapMessage::Reply(part), .. } => {
-                codec::encode_into(part, &mut self.scratch);
-            }
-            Taken::Status { json, .. } => self.scratch.extend(json.as_bytes()),
-            _ => {}
-        }
-        (size_of::<Kept>() + self.scratch.len()) as u64
+            Taken::Reply { bytes, .. } => *bytes,
+            Taken::Status { json, .. } => json.len(),
+            _ => 0,
+        };
+        (size_of::<Kept>() + more) as u64
     }
 
     /// What a snapshot that is shorter than asked for says of itself.
@@ -319,20 +366,18 @@ impl Ring {
         series.know(self.uploads.clone());
         let mut asked = BTreeSet::new();
         (self.bytes, self.cut) = (0, None);
-        for Kept { taken, .. } in self.kept.drain(..) {
+        for Kept { taken, part, .. } in self.kept.drain(..) {
             match &taken {
-                Taken::Message { message: TapMessage::Request(request), .. } => {
+                Taken::Request { request, .. } => {
                     asked.insert(request.key);
                 }
                 // Its request came before the time that is kept.
-                Taken::Message { message: TapMessage::Reply(part), .. }
-                    if self.has_requests && !asked.contains(&part.key) =>
-                {
+                Taken::Reply { head, .. } if self.has_requests && !asked.contains(&head.key) => {
                     continue;
                 }
                 _ => {}
             }
-            into_files(&mut series, taken)?;
+            into_files(&mut series, taken, &part)?;
         }
         self.bytes_written += series.written();
         let Finished { summary, mut missing, .. } = series.finish()?;

@@ -2,24 +2,32 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bus::{ConnectError, StatusReader, TapEvent, TapMessage, TapReader};
 use recording::{Finished, WriteError};
+use schemas::message::Sample;
 
 use crate::describe::describe;
 use crate::progress::{Progress, Written};
-use crate::settings::Settings;
-use crate::store::{Store, Taken};
+use crate::settings::{Settings, Topics};
+use crate::store::{Batch, Store, Taken};
 
 /// How long the recorder sleeps when there is nothing to record. The tap's buffer holds far
 /// more messages than arrive meanwhile.
 const IDLE: Duration = Duration::from_millis(1);
 
-/// Messages that wait to be written, at most; what comes then stays in the tap.
-const QUEUE: usize = 1024;
+/// Bytes of parts, or messages, at which a batch is handed over.
+const BATCH_BYTES: usize = 256 << 10;
+const BATCH_MESSAGES: usize = 1024;
+
+/// How long messages wait for others, at most, while none come; nanoseconds.
+const BATCH_NS: u64 = 10_000_000;
+
+/// Batches that wait to be written, at most; what comes then stays in the tap.
+const QUEUE: usize = 128;
 
 /// How long a planner that ends is given until another takes over, as when a supervisor starts it
 /// again.
@@ -93,10 +101,13 @@ pub fn run(settings: &Settings) -> Result<Ended, Failure> {
     let description = describe(settings, about.as_deref());
     let mut store = Store::create(settings, description, Arc::clone(&written))?;
     tracing::info!(output = %settings.output.display(), "recording");
-    let (sender, receiver) = sync_channel(QUEUE);
+    let (sender, receiver) = sync_channel::<Batch>(QUEUE);
+    let (give_back, empty) = channel();
     let storing = std::thread::Builder::new().name("store".into()).spawn(move || {
-        for taken in receiver {
-            store.store(taken)?;
+        for mut batch in receiver {
+            store.store(&mut batch)?;
+            // Nobody needs its memory in the end.
+            let _ = give_back.send(batch);
         }
         store.finish()
     })?;
@@ -104,19 +115,25 @@ pub fn run(settings: &Settings) -> Result<Ended, Failure> {
         settings,
         tap,
         status,
-        sender: Some(sender),
+        out: Out {
+            topics: settings.topics,
+            batch: Batch::default(),
+            begun_ns: 0,
+            sender: Some(sender),
+            empty,
+            recorded: 0,
+            lost: 0,
+        },
         storing,
         requested,
         progress: Progress::new(&settings.output),
         written,
-        recorded: 0,
-        lost: 0,
         sampled_ns: 0,
         seen: None,
         is_told: false,
     };
     if let Some(about) = about {
-        taker.send(Taken::Status { json: about, log_ns: bus::now_ns() });
+        taker.out.push(Taken::Status { json: about, log_ns: bus::now_ns() });
     }
     taker.run()
 }
@@ -142,20 +159,91 @@ struct Taker<'a> {
     settings: &'a Settings,
     tap: TapReader,
     status: Option<StatusReader>,
-    /// None once the writing thread has ended, which it does by itself only if it failed.
-    sender: Option<SyncSender<Taken>>,
+    out: Out,
     storing: JoinHandle<Result<Finished, WriteError>>,
     /// Whether a signal asks for a snapshot.
     requested: Arc<AtomicBool>,
     progress: Progress,
     written: Arc<Written>,
-    recorded: u64,
-    lost: u64,
     /// When the recorder last looked how far the planner is, while messages came.
     sampled_ns: u64,
     /// When the planner was last seen; none before the first look.
     seen: Option<Instant>,
     is_told: bool,
+}
+
+/// What goes to the writing thread.
+struct Out {
+    topics: Topics,
+    batch: Batch,
+    /// When its first message came, nanoseconds since the Unix epoch.
+    begun_ns: u64,
+    /// None once the writing thread has ended, which it does by itself only if it failed.
+    sender: Option<SyncSender<Batch>>,
+    /// Batches that it has written.
+    empty: Receiver<Batch>,
+    recorded: u64,
+    lost: u64,
+}
+
+impl Out {
+    /// Takes in an event, with the samples of a part of a reply. Whether it is a message that is
+    /// recorded.
+    fn take(&mut self, event: TapEvent, samples: &[Sample], log_ns: u64) -> bool {
+        match event {
+            TapEvent::Message(TapMessage::Request(_)) if !self.topics.requests => return false,
+            TapEvent::Message(TapMessage::Reply(_)) if !self.topics.replies => return false,
+            TapEvent::Message(message) => {
+                self.recorded += 1;
+                self.begin(log_ns);
+                match message {
+                    TapMessage::Request(request) => {
+                        self.batch.taken.push(Taken::Request { request: request.into(), log_ns });
+                    }
+                    TapMessage::Reply(part) => self.batch.add_part(&part, samples, log_ns),
+                }
+                return true;
+            }
+            TapEvent::FreeSpace(request) => self.push(Taken::FreeSpace { request: request.into() }),
+            TapEvent::Lost { messages } => {
+                tracing::warn!(messages, "messages lost: they came too fast");
+                self.lost += messages;
+                self.push(Taken::Lost { messages });
+            }
+            TapEvent::Restarted => tracing::warn!("the planner was restarted"),
+        }
+        false
+    }
+
+    fn begin(&mut self, now_ns: u64) {
+        if self.batch.taken.is_empty() {
+            self.begun_ns = now_ns;
+        }
+    }
+
+    fn push(&mut self, taken: Taken) {
+        self.begin(bus::now_ns());
+        self.batch.taken.push(taken);
+    }
+
+    /// Hands the batch over if it is large enough, or, while nothing comes, old enough.
+    fn hand_over_in_time(&mut self, is_idle: bool) {
+        let Batch { taken, parts } = &self.batch;
+        let is_large = parts.len() >= BATCH_BYTES || taken.len() >= BATCH_MESSAGES;
+        let is_old = || bus::now_ns().saturating_sub(self.begun_ns) >= BATCH_NS;
+        if is_large || is_idle && !taken.is_empty() && is_old() {
+            self.hand_over();
+        }
+    }
+
+    /// Hands what came to the writing thread. While that is behind, the tap keeps what comes.
+    fn hand_over(&mut self) {
+        let empty = self.empty.try_recv().unwrap_or_default();
+        let batch = std::mem::replace(&mut self.batch, empty);
+        if self.sender.as_ref().is_some_and(|sender| sender.send(batch).is_err()) {
+            self.sender = None;
+        }
+    }
 }
 
 impl Taker<'_> {
@@ -168,11 +256,11 @@ impl Taker<'_> {
             // Asked before receiving, so that messages sent before the signal are recorded.
             let stop = self.is_time(begin);
             let mut idle = true;
-            while let Some(event) = self.tap.receive() {
+            while self.take() {
                 idle = false;
-                self.take(event);
+                self.out.hand_over_in_time(false);
                 let is_enough =
-                    self.settings.max_messages.is_some_and(|most| self.recorded >= most);
+                    self.settings.max_messages.is_some_and(|most| self.out.recorded >= most);
                 if is_enough || flushed.elapsed() >= self.settings.flush {
                     break;
                 }
@@ -181,23 +269,26 @@ impl Taker<'_> {
                 // First: what is sent meanwhile counts.
                 let time_ns = bus::now_ns();
                 let waiting = self.tap.waiting();
-                let now = (self.recorded + self.lost, waiting);
+                let now = (self.out.recorded + self.out.lost, waiting);
                 let is_news = beaten.is_none_or(|(at, before)| {
                     at.elapsed() >= EVERY || before != now.0 || waiting > 0
                 });
                 let heartbeat = is_news.then_some((time_ns, waiting));
                 beaten = if is_news { Some((Instant::now(), now.0)) } else { beaten };
-                self.send(Taken::Flush { heartbeat });
+                self.out.push(Taken::Flush { heartbeat });
+                self.out.hand_over();
                 flushed = Instant::now();
             }
             while let Some(json) = self.status.as_ref().and_then(StatusReader::receive) {
-                self.send(Taken::Status { json, log_ns: bus::now_ns() });
+                self.out.push(Taken::Status { json, log_ns: bus::now_ns() });
             }
             if self.requested.swap(false, Ordering::Relaxed) {
-                self.send(Taken::Snapshot);
+                self.out.push(Taken::Snapshot);
+                self.out.hand_over();
             }
+            self.out.hand_over_in_time(idle);
             self.progress.show(&self.written);
-            if self.sender.is_none() {
+            if self.out.sender.is_none() {
                 break EndReason::Complete;
             }
             if looked.elapsed() >= EVERY {
@@ -213,12 +304,13 @@ impl Taker<'_> {
                 _ => {}
             }
         };
-        let is_enough = self.settings.max_messages.is_some_and(|most| self.recorded >= most);
+        let is_enough = self.settings.max_messages.is_some_and(|most| self.out.recorded >= most);
         if !is_enough {
             self.wait_for_last();
         }
         self.progress.clear();
-        drop(self.sender.take());
+        self.out.hand_over();
+        drop(self.out.sender.take());
         let stored = self.storing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         Ok(Ended { finished: stored?, end })
     }
@@ -234,7 +326,7 @@ impl Taker<'_> {
 
     /// Why to end now, if anything asks to.
     fn reason(&self, stop: Option<EndReason>) -> Option<EndReason> {
-        let is_enough = self.settings.max_messages.is_some_and(|most| self.recorded >= most);
+        let is_enough = self.settings.max_messages.is_some_and(|most| self.out.recorded >= most);
         if is_enough {
             return Some(EndReason::Complete);
         }
@@ -260,34 +352,21 @@ impl Taker<'_> {
         }
     }
 
-    fn take(&mut self, event: TapEvent) {
-        let log_ns = bus::now_ns();
-        let topics = self.settings.topics;
-        match event {
-            TapEvent::Message(TapMessage::Request(_)) if !topics.requests => {}
-            TapEvent::Message(TapMessage::Reply(_)) if !topics.replies => {}
-            TapEvent::Message(message) => {
-                self.recorded += 1;
-                let is_due = log_ns.saturating_sub(self.sampled_ns) >= SAMPLE_NS;
-                let waiting = is_due.then(|| self.tap.waiting());
-                self.sampled_ns = if is_due { log_ns } else { self.sampled_ns };
-                self.send(Taken::Message { message, log_ns, waiting });
-            }
-            TapEvent::FreeSpace(request) => self.send(Taken::FreeSpace { request }),
-            TapEvent::Lost { messages } => {
-                tracing::warn!(messages, "messages lost: they came too fast");
-                self.lost += messages;
-                self.send(Taken::Lost { messages });
-            }
-            TapEvent::Restarted => tracing::warn!("the planner was restarted"),
+    /// Takes what comes next, if anything does.
+    fn take(&mut self) -> bool {
+        let (tap, out) = (&mut self.tap, &mut self.out);
+        let taken = tap.receive_in_place(|event, samples| {
+            let log_ns = bus::now_ns();
+            out.take(event, samples, log_ns).then_some(log_ns)
+        });
+        let Some(recorded) = taken else { return false };
+        if let Some(time_ns) = recorded
+            && time_ns.saturating_sub(self.sampled_ns) >= SAMPLE_NS
+        {
+            self.sampled_ns = time_ns;
+            self.out.push(Taken::Heartbeat { time_ns, waiting: self.tap.waiting() });
         }
-    }
-
-    /// Hands it to the writing thread. While that is behind, the tap keeps what comes.
-    fn send(&mut self, taken: Taken) {
-        if self.sender.as_ref().is_some_and(|sender| sender.send(taken).is_err()) {
-            self.sender = None;
-        }
+        true
     }
 
     /// What the planner has counted and not delivered by the end is lost.
@@ -295,10 +374,8 @@ impl Taker<'_> {
         let until = Instant::now() + LAST;
         let last = self.tap.announced();
         loop {
-            while self.tap.place() < last
-                && let Some(event) = self.tap.receive()
-            {
-                self.take(event);
+            while self.tap.place() < last && self.take() {
+                self.out.hand_over_in_time(false);
             }
             let waiting = last.saturating_sub(self.tap.place());
             if waiting == 0 {
@@ -306,7 +383,7 @@ impl Taker<'_> {
             }
             if Instant::now() >= until {
                 tracing::warn!(messages = waiting, "messages lost: they did not come");
-                return self.send(Taken::Lost { messages: waiting });
+                return self.out.push(Taken::Lost { messages: waiting });
             }
             std::thread::sleep(IDLE);
         }
