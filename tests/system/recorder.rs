@@ -102,7 +102,7 @@ fn check_finishes(signal: Signal) {
     assert_eq!(ended.code, Some(0));
     assert_eq!(ended.stdout, "run.mcap: 9 messages recorded, 0 lost\n");
     let file = recording(&test.path("run.mcap"));
-    assert_eq!(file.summary, Some(Summary { recorded: 9, lost: 0, gaps: 0 }));
+    assert_eq!(file.summary, Some(Summary { recorded: 9, lost: 0, gaps: 0, left_out: 0 }));
     assert!(file.error.is_none());
 }
 

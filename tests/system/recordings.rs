@@ -237,7 +237,11 @@ fn it_records_as_much_as_it_is_told() {
     ask(&test, 5);
     assert_eq!(recorder.wait().stdout, "run.mcap: 7 messages recorded, 0 lost\n");
     assert_eq!(recording(&test.path("run.mcap")).records.len(), 7);
-    assert_eq!(replies.stop().stdout, "replies.mcap: 10 messages recorded, 0 lost\n");
+    let said = "replies.mcap: 10 messages recorded, 0 lost, 5 left out\n";
+    assert_eq!(replies.stop().stdout, said);
+    let its = info(&test, "replies.mcap");
+    assert_eq!((&its["lost"], &its["left_out"]), (&Value::from(0), &Value::from(5)));
+    assert_eq!(its["description"]["topics"], "reply");
     let file = recording(&test.path("replies.mcap"));
     assert_eq!((file.requests().len(), file.records.len()), (0, 10));
     assert_eq!(info(&test, "replies.mcap")["statuses"], 0);

@@ -1,6 +1,7 @@
 //! What the channels of a file are, and its records as messages.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use mcap::records::op;
 use schemas::{codec, topic};
@@ -8,13 +9,15 @@ use schemas::{codec, topic};
 use crate::error::{Damage, ReadError};
 use crate::fields::Fields;
 use crate::format::{Topic, VERSION_KEY};
-use crate::record::{Aside, Message, Record};
+use crate::record::{Aside, Foreign, Message, Record};
 
 /// What the channels of a file hold.
 #[derive(Default)]
 pub(crate) struct Channels {
     schemas: BTreeMap<u16, Schema>,
     channels: BTreeMap<u16, Channel>,
+    /// Whether messages of others are kept.
+    pub(crate) keeps_foreign: bool,
 }
 
 struct Channel {
@@ -24,6 +27,8 @@ struct Channel {
     is_status: bool,
     /// The version of the requests that made free spaces known, if it has those.
     uploads: Option<u32>,
+    /// If it is none of ours.
+    foreign: Option<Arc<Foreign>>,
     messages: u64,
 }
 
@@ -75,10 +80,7 @@ impl Channels {
 
     /// Channels of others and their messages so far.
     pub(crate) fn others(&self) -> impl Iterator<Item = (&str, u64)> {
-        let is_other = |channel: &&Channel| {
-            channel.ours.is_none() && !channel.is_status && channel.uploads.is_none()
-        };
-        let others = self.channels.values().filter(is_other);
+        let others = self.channels.values().filter(|channel| channel.foreign.is_some());
         others.map(|channel| (&*channel.topic, channel.messages))
     }
 
@@ -100,7 +102,8 @@ impl Channels {
     fn add_channel(&mut self, mut fields: Fields, offset: u64) -> Option<Result<(), ReadError>> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let (name, encoding) = (fields.text()?, fields.text()?);
-        let version = fields.value_of(VERSION_KEY)?;
+        let metadata = fields.map()?;
+        let version = metadata.get(VERSION_KEY).map(String::as_str);
         let ours = match Topic::ALL.into_iter().find(|topic| topic.name() == name) {
             None => None,
             Some(topic) => match self.identify(topic, schema, encoding, version, offset) {
@@ -118,7 +121,17 @@ impl Channels {
             }
             _ => None,
         };
-        let new = || Channel { topic: name.to_owned(), ours, is_status, uploads, messages: 0 };
+        let is_foreign = ours.is_none() && !is_status && uploads.is_none();
+        let foreign = is_foreign.then(|| {
+            let of = |schema: &Schema| {
+                (schema.name.clone(), schema.encoding.clone(), schema.data.clone())
+            };
+            let (topic, encoding) = (name.to_owned(), encoding.to_owned());
+            let schema = self.schemas.get(&schema).map(of);
+            Arc::new(Foreign { topic, encoding, metadata: metadata.clone(), schema })
+        });
+        let topic = name.to_owned();
+        let new = || Channel { topic, ours, is_status, uploads, foreign, messages: 0 };
         let known = self.channels.entry(id).or_insert_with(new);
         Some(if (known.ours, &*known.topic) == (ours, name) {
             Ok(())
@@ -185,9 +198,13 @@ impl Channels {
         }
         let Some((topic, version)) = channel.ours else {
             let json = std::str::from_utf8(fields.0).ok().filter(|_| channel.is_status);
-            return Some(Ok(match json {
-                Some(json) => Step::Aside(Aside::Status { json: json.to_owned(), log_ns }),
-                None => Step::Skipped,
+            return Some(Ok(match (json, &channel.foreign) {
+                (Some(json), _) => Step::Aside(Aside::Status { json: json.to_owned(), log_ns }),
+                (None, Some(channel)) if self.keeps_foreign => {
+                    let (channel, message) = (Arc::clone(channel), fields.0.to_owned());
+                    Step::Aside(Aside::Foreign { channel, message, sequence, log_ns, publish_ns })
+                }
+                (None, _) => Step::Skipped,
             }));
         };
         let message = match topic {

@@ -1,5 +1,7 @@
 //! The fields of MCAP records.
 
+use std::collections::BTreeMap;
+
 /// Opcode and length before every record.
 pub(crate) const RECORD_HEAD: usize = 1 + 8;
 
@@ -45,17 +47,14 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(self.block()?).ok()
     }
 
-    /// The text under `key` in a map of texts.
-    pub(crate) fn value_of(&mut self, key: &str) -> Option<Option<&'a str>> {
+    /// A map of texts.
+    pub(crate) fn map(&mut self) -> Option<BTreeMap<String, String>> {
         let mut pairs = Fields(self.block()?);
-        let mut found = None;
+        let mut map = BTreeMap::new();
         while !pairs.0.is_empty() {
-            let (name, value) = (pairs.text()?, pairs.text()?);
-            if name == key {
-                found = Some(value);
-            }
+            map.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
         }
-        Some(found)
+        Some(map)
     }
 
     /// Opcode and body of the next record.

@@ -64,10 +64,11 @@ pub use format::{CHUNK_BYTES, FLUSH_INTERVAL, MOST_MESSAGE_BYTES};
 pub use options::{Compression, Options};
 pub use parts::Dropped;
 pub use read::Reader;
-pub use record::{Aside, Heartbeat, Message, Record};
+pub use record::{Aside, Foreign, Heartbeat, Message, Record};
 pub use recover::{RecoverError, Recovered, recover};
 pub use series::{
     CONTINUED_KEY, CONTINUES_KEY, FILE_KEY, Finished, PartHead, SERIES_KEY, Series, Split,
+    TOPICS_KEY,
 };
 pub use summary::Summary;
 pub use uploads::Uploads;

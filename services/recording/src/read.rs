@@ -185,7 +185,7 @@ impl<R: Read> Reader<R> {
     pub fn take_free_spaces(&mut self) -> Vec<Request> {
         let free_space = |aside| match aside {
             Aside::FreeSpace { request, .. } => Some(*request),
-            Aside::Status { .. } => None,
+            Aside::Status { .. } | Aside::Foreign { .. } => None,
         };
         self.take_asides().into_iter().filter_map(free_space).collect()
     }
@@ -193,6 +193,11 @@ impl<R: Read> Reader<R> {
     /// From now on, [`Self::take_asides`] has statuses as well.
     pub fn keep_statuses(&mut self) {
         self.keeps_statuses = true;
+    }
+
+    /// From now on, [`Self::take_asides`] has messages of other channels as well.
+    pub fn keep_foreign(&mut self) {
+        self.channels.keeps_foreign = true;
     }
 
     /// Takes what stood between the messages read so far, in its order.
@@ -210,7 +215,7 @@ impl<R: Read> Reader<R> {
         self.statuses
     }
 
-    /// Messages of other channels skipped so far.
+    /// Messages of other channels so far.
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
@@ -395,6 +400,7 @@ impl<R: Read> Reader<R> {
                 Step::Aside(aside) => {
                     let is_status = matches!(aside, Aside::Status { .. });
                     self.statuses += u64::from(is_status);
+                    self.skipped += u64::from(matches!(aside, Aside::Foreign { .. }));
                     if !is_status || self.keeps_statuses {
                         self.asides.push(aside);
                     }

@@ -1,5 +1,8 @@
 //! What a recording holds.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use schemas::message::{ReplyPart, Request};
 
 use crate::mark::Mark;
@@ -44,6 +47,32 @@ pub enum Aside {
         /// When the recorder took it; nanoseconds since the Unix epoch.
         log_ns: u64,
     },
+    /// A message of a channel that is not ours, such as those for viewers.
+    Foreign {
+        /// Its channel.
+        channel: Arc<Foreign>,
+        /// The message.
+        message: Vec<u8>,
+        /// Its number in its channel, if it has one.
+        sequence: u32,
+        /// When it was recorded; nanoseconds since the Unix epoch.
+        log_ns: u64,
+        /// When it was sent; nanoseconds since the Unix epoch.
+        publish_ns: u64,
+    },
+}
+
+/// A channel of others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Foreign {
+    /// Its name.
+    pub topic: String,
+    /// Of its messages, such as `json` or `protobuf`.
+    pub encoding: String,
+    /// What else it says.
+    pub metadata: BTreeMap<String, String>,
+    /// The schema of its messages, if they have one: name, encoding and data.
+    pub schema: Option<(String, String, Vec<u8>)>,
 }
 
 /// A recorder's sign of life, in the recording at each flush.

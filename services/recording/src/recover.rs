@@ -39,8 +39,8 @@ pub struct Recovered {
     pub unreadable: u64,
     /// Messages for which no checksum vouches.
     pub unverified: u64,
-    /// Messages of other channels, which were not copied.
-    pub skipped: u64,
+    /// Messages of other channels, copied as they were.
+    pub others: u64,
     /// Parts of the old file that were not used, or only because they were asked for.
     pub dropped: Vec<Dropped>,
     /// What was wrong with the old file, if anything.
@@ -205,15 +205,16 @@ pub(crate) fn salvage<R: Read + Seek, W: Write>(
     // Losses after the last message have left no other trace in files without marks.
     let claimed = survey.claimed.map_or(0, |summary| summary.lost);
     writer.lost(claimed.saturating_sub(writer.summary().lost));
+    writer.leave_out(survey.claimed.map_or(0, |summary| summary.left_out));
     for (name, value) in survey.notes {
         writer.note_at_end(&name, value);
     }
-    let Copy { unreadable, unverified, skipped, .. } = copy;
+    let Copy { unreadable, unverified, others, .. } = copy;
     Ok(Some(Recovered {
         summary: writer.finish()?,
         unreadable,
         unverified,
-        skipped,
+        others,
         heartbeat: found.marks.map(|(_, last)| last.into()),
         dropped: found.dropped,
         reason: survey.reason,
@@ -227,12 +228,15 @@ struct Copy {
     gaps: Gaps,
     unreadable: u64,
     unverified: u64,
-    skipped: u64,
+    others: u64,
+    /// What stood before the first message.
+    before: Vec<Aside>,
 }
 
 impl Copy {
     fn new(found: &Parts, first: u64) -> Self {
         let mut channels = Channels::default();
+        channels.keeps_foreign = true;
         for (opcode, body) in &found.definitions {
             // What is wrong with them shows at the messages.
             let _ = channels.take(*opcode, body, 0);
@@ -240,7 +244,8 @@ impl Copy {
         let mut gaps = Gaps::default();
         gaps.begin(first);
         let records = Records::default();
-        Self { channels, records, gaps, unreadable: 0, unverified: 0, skipped: 0 }
+        let (others, before) = (0, Vec::new());
+        Self { channels, records, gaps, unreadable: 0, unverified: 0, others, before }
     }
 
     fn part<R: Read + Seek, W: Write>(
@@ -274,11 +279,7 @@ impl Copy {
             };
             match step {
                 Ok(Step::Record(record)) if self.fits(part, &record) => {
-                    let writer = match (&mut *writer, make.take()) {
-                        (Some(writer), _) => writer,
-                        (none, Some(make)) => none.insert(make()?),
-                        (None, None) => unreachable!("it is made once"),
-                    };
+                    let writer = self.begun(writer, make)?;
                     self.unverified += u64::from(!part.is_checked);
                     writer.lost(self.gaps.before(record.sequence));
                     match &record.message {
@@ -288,25 +289,33 @@ impl Copy {
                         Message::Reply(reply) => writer.write_reply(reply, record.log_ns)?,
                     }
                 }
-                Ok(Step::Aside(aside @ Aside::FreeSpace { .. })) => {
+                Ok(Step::Aside(aside)) => {
+                    self.others += u64::from(matches!(aside, Aside::Foreign { .. }));
                     // It stands before the request that refers to it.
-                    let writer = match (&mut *writer, make.take()) {
-                        (Some(writer), _) => writer,
-                        (none, Some(make)) => none.insert(make()?),
-                        (None, None) => unreachable!("it is made once"),
-                    };
-                    writer.write_aside(&aside)?;
-                }
-                Ok(Step::Aside(aside @ Aside::Status { .. })) => {
-                    if let Some(writer) = writer {
-                        writer.write_aside(&aside)?;
+                    let is_needed = matches!(aside, Aside::FreeSpace { .. });
+                    match writer {
+                        Some(writer) => writer.write_aside(&aside)?,
+                        None if is_needed => self.begun(writer, make)?.write_aside(&aside)?,
+                        None => self.before.push(aside),
                     }
                 }
-                Ok(Step::Skipped) => self.skipped += 1,
-                Ok(Step::Other) => {}
+                Ok(Step::Skipped | Step::Other) => {}
                 Ok(Step::Record(_)) | Err(_) => self.unreadable += 1,
             }
         }
+    }
+
+    /// The new recording, which begins with what stood before the first message.
+    fn begun<'a, W: Write>(
+        &mut self,
+        writer: &'a mut Option<Writer<W>>,
+        make: &mut Option<impl FnOnce() -> Result<Writer<W>, WriteError>>,
+    ) -> Result<&'a mut Writer<W>, WriteError> {
+        if let Some(make) = make.take() {
+            let writer = writer.insert(make()?);
+            self.before.drain(..).try_for_each(|aside| writer.write_aside(&aside))?;
+        }
+        Ok(writer.as_mut().expect("it is made once"))
     }
 
     /// Whether a message of a damaged chunk has a number that the marks allow.

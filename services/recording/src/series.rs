@@ -39,6 +39,9 @@ pub const FILE_KEY: &str = "file";
 /// Key in the description of the requests in files before whose replies go on in this one.
 pub const CONTINUES_KEY: &str = "continues";
 
+/// Key in the description of the topics that are recorded, if others are left out.
+pub const TOPICS_KEY: &str = "topics";
+
 /// Key at the end of the requests whose replies go on in files after this one.
 pub const CONTINUED_KEY: &str = "continued";
 
@@ -317,6 +320,12 @@ impl Series {
         // Their requests may never be answered here.
         self.open.clear();
         self.writer()?.lost(count);
+        Ok(())
+    }
+
+    /// Notes that messages are not recorded by wish; see [`Writer::leave_out`].
+    pub fn leave_out(&mut self, count: u64) -> Result<(), WriteError> {
+        self.writer()?.leave_out(count);
         Ok(())
     }
 

@@ -24,6 +24,8 @@ pub struct Summary {
     pub lost: u64,
     /// Runs of missed messages.
     pub gaps: u64,
+    /// Messages that were not to be recorded.
+    pub left_out: u64,
 }
 
 impl Summary {
@@ -41,6 +43,7 @@ impl Summary {
                 "recorded" => &mut summary.recorded,
                 "lost" => &mut summary.lost,
                 "gaps" => &mut summary.gaps,
+                "left_out" => &mut summary.left_out,
                 _ => {
                     notes.insert(name.to_owned(), value.to_owned());
                     continue;
@@ -57,13 +60,17 @@ impl Summary {
             recorded: self.recorded + other.recorded,
             lost: self.lost + other.lost,
             gaps: self.gaps + other.gaps,
+            left_out: self.left_out + other.left_out,
         }
     }
 
     pub(crate) fn to_metadata(self) -> BTreeMap<String, String> {
+        let left_out = (self.left_out > 0).then_some(("left_out", self.left_out));
         [("recorded", self.recorded), ("lost", self.lost), ("gaps", self.gaps)]
+            .into_iter()
+            .chain(left_out)
             .map(|(name, value)| (name.to_owned(), value.to_string()))
-            .into()
+            .collect()
     }
 }
 

@@ -131,7 +131,7 @@ fn small_with(options: Options) -> Small {
         });
     }
     let summary = writer.finish().unwrap();
-    assert_eq!(summary, Summary { recorded: 6, lost: 0, gaps: 0 });
+    assert_eq!(summary, Summary { recorded: 6, lost: 0, gaps: 0, left_out: 0 });
     Small { bytes: disk.bytes(), flushed, records }
 }
 
@@ -170,7 +170,7 @@ fn what_was_written_is_read() {
     let (records, error, summary) = read(&small.bytes);
     assert!(error.is_none(), "{error:?}");
     assert_eq!(records, small.records);
-    assert_eq!(summary, Some(Summary { recorded: 6, lost: 0, gaps: 0 }));
+    assert_eq!(summary, Some(Summary { recorded: 6, lost: 0, gaps: 0, left_out: 0 }));
 }
 
 #[test]
@@ -187,7 +187,8 @@ fn losses_show_where_they_are() {
     writer.lost(1);
     writer.write_request(&request(1), 2).unwrap();
     writer.lost(4);
-    let expected = Summary { recorded: 2, lost: 7, gaps: 2 };
+    writer.leave_out(5);
+    let expected = Summary { recorded: 2, lost: 7, gaps: 2, left_out: 5 };
     assert_eq!(writer.finish().unwrap(), expected);
 
     let bytes = disk.bytes();
@@ -406,7 +407,7 @@ fn a_message_above_the_limit_counts_as_lost() {
     let error = writer.write_request(&Request { content, ..request(0) }, 0).unwrap_err();
     assert!(matches!(error, WriteError::TooLarge { .. }), "{error}");
     writer.write_request(&request(1), 0).unwrap();
-    assert_eq!(writer.finish().unwrap(), Summary { recorded: 1, lost: 1, gaps: 1 });
+    assert_eq!(writer.finish().unwrap(), Summary { recorded: 1, lost: 1, gaps: 1, left_out: 0 });
     assert_eq!(read(&disk.bytes()).0[0].sequence, 1);
 }
 
@@ -523,7 +524,7 @@ fn recover_makes_a_finished_file() {
     assert!(matches!(same, Err(RecoverError::SameFile { .. })));
 
     let recovered = recover(&from, &to, false, Options::default()).unwrap();
-    assert_eq!(recovered.summary, Summary { recorded: 4, lost: 0, gaps: 0 });
+    assert_eq!(recovered.summary, Summary { recorded: 4, lost: 0, gaps: 0, left_out: 0 });
     assert!(recovered.reason.is_some_and(|reason| reason.is_cut()));
     let (records, error, summary) = read(&std::fs::read(&to).unwrap());
     assert!(error.is_none(), "{error:?}");
@@ -546,7 +547,7 @@ fn recovery_counts_what_is_missing() {
     small.bytes[small.flushed[1] + 100] ^= 1;
     std::fs::write(&from, &small.bytes).unwrap();
     let recovered = recover(&from, &to, false, Options::default()).unwrap();
-    assert_eq!(recovered.summary, Summary { recorded: 4, lost: 2, gaps: 1 });
+    assert_eq!(recovered.summary, Summary { recorded: 4, lost: 2, gaps: 1, left_out: 0 });
     assert!(matches!(recovered.reason, Some(ReadError::Damaged { .. })));
     let sequences: Vec<_> =
         read(&std::fs::read(&to).unwrap()).0.iter().map(|record| record.sequence).collect();

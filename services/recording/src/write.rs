@@ -19,7 +19,7 @@ use crate::format::{
 };
 use crate::mark::{self, Mark};
 use crate::options::{Compression, Options};
-use crate::record::Aside;
+use crate::record::{Aside, Foreign};
 use crate::summary::{self, DESCRIPTION_NAME, SUMMARY_NAME, Summary};
 use crate::write_error::WriteError;
 
@@ -44,6 +44,8 @@ pub struct Writer<W: Write = NewFile> {
     channels: [u16; 2],
     free_space_channel: u16,
     status_channel: u16,
+    /// Channels of others that were copied.
+    foreign: Vec<(Arc<Foreign>, u16)>,
     /// Statuses so far.
     statuses: u32,
     /// The message being encoded.
@@ -188,6 +190,7 @@ impl<W: Write> Writer<W> {
             channels,
             free_space_channel,
             status_channel,
+            foreign: Vec::new(),
             statuses: 0,
             bytes: Vec::new(),
             chunk: 0,
@@ -308,7 +311,36 @@ impl<W: Write> Writer<W> {
         match aside {
             Aside::FreeSpace { request, log_ns } => self.write_free_space(request, *log_ns),
             Aside::Status { json, log_ns } => self.write_status(json, *log_ns),
+            Aside::Foreign { channel, message, sequence, log_ns, publish_ns } => {
+                let header = MessageHeader {
+                    channel_id: self.foreign_channel(channel)?,
+                    sequence: *sequence,
+                    log_time: *log_ns,
+                    publish_time: *publish_ns,
+                };
+                self.append_beside(&header, message, MOST_MESSAGE_BYTES)
+            }
         }
+    }
+
+    /// The number of a channel of others here.
+    fn foreign_channel(&mut self, channel: &Arc<Foreign>) -> Result<u16, WriteError> {
+        let known = self.foreign.iter().find(|(known, _)| Arc::ptr_eq(known, channel));
+        if let Some((_, id)) = known {
+            return Ok(*id);
+        }
+        let Foreign { topic, encoding, metadata, schema } = &**channel;
+        let mut id = 0;
+        self.state.run(|writer| {
+            let schema = match schema {
+                Some((name, encoding, data)) => writer.add_schema(name, encoding, data)?,
+                None => 0,
+            };
+            id = writer.add_channel(schema, topic, encoding, metadata)?;
+            Ok(())
+        })?;
+        self.foreign.push((Arc::clone(channel), id));
+        Ok(id)
     }
 
     /// Adds a channel for programs that know nothing of planning. Readers of recordings skip it.
@@ -428,6 +460,11 @@ impl<W: Write> Writer<W> {
             self.is_marked = false;
             self.in_gap = true;
         }
+    }
+
+    /// Notes that `count` messages are not recorded by wish. They have no place in the sequence.
+    pub fn leave_out(&mut self, count: u64) {
+        self.summary.left_out += count;
     }
 
     /// What the file holds so far.

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use recording::TOPICS_KEY;
 use schemas::status::Status;
 use schemas::wire;
 
-use crate::settings::Settings;
+use crate::settings::{Settings, Topics};
 
 /// Names and values: who records what, how, and under which settings it was planned. `status` is
 /// what the planner says of itself.
@@ -20,6 +21,9 @@ pub(crate) fn describe(settings: &Settings, status: Option<&str>) -> BTreeMap<St
     add("host", rustix::system::uname().nodename().to_string_lossy().into_owned());
     add("domain", settings.domain.to_string());
     add("command", settings.command.clone());
+    if settings.topics != Topics::default() {
+        add(TOPICS_KEY, settings.topics.to_string());
+    }
     if let Some(status) = status.and_then(|text| Status::from_json(text).ok()) {
         add("planner", format!("{}, process {}", status.version, status.pid));
         if !status.config.is_null() {

@@ -60,7 +60,7 @@ struct Arguments {
     /// End when the planner ends and no other takes over within 2 s
     #[arg(long)]
     exit_with_planner: bool,
-    /// Record only these
+    /// Record only these; the others are counted as left out
     #[arg(long, value_name = "TOPICS", value_delimiter = ',', value_enum)]
     topics: Vec<TopicName>,
     /// How often to flush: as much is lost if the recorder is killed [default: 250ms]
@@ -229,6 +229,9 @@ fn run(settings: Settings) -> Result<Exit, Box<dyn Error>> {
     }
     let path = settings.output.display();
     let mut said = format!("{path}: {} messages recorded, {} lost", summary.recorded, summary.lost);
+    if summary.left_out > 0 {
+        said += &format!(", {} left out", summary.left_out);
+    }
     match (&settings.snapshot, settings.split.is_never()) {
         (Some(_), _) => {
             said += &format!(", in {files} snapshot{}", if files == 1 { "" } else { "s" });

@@ -110,6 +110,15 @@ impl FromIterator<Topic> for Topics {
     }
 }
 
+impl std::fmt::Display for Topics {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { requests, replies, statuses } = *self;
+        let all = [(requests, "request"), (replies, "reply"), (statuses, "status")];
+        let names: Vec<_> = all.into_iter().filter_map(|(is, name)| is.then_some(name)).collect();
+        f.write_str(&names.join(","))
+    }
+}
+
 /// What is kept in memory and written on an event.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Snapshot {

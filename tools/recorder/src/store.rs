@@ -73,6 +73,10 @@ pub(crate) enum Taken {
     Lost {
         messages: u64,
     },
+    /// They are not to be recorded.
+    LeftOut {
+        messages: u64,
+    },
     /// How many messages wait.
     Heartbeat {
         time_ns: u64,
@@ -206,6 +210,7 @@ fn into_files(series: &mut Series, taken: Taken, part: &[u8]) -> Result<(), Writ
         }
         Taken::Status { json, log_ns } => series.write_status(&json, log_ns),
         Taken::Lost { messages } => series.lost(messages),
+        Taken::LeftOut { messages } => series.leave_out(messages),
         Taken::Flush { heartbeat } => series.flush(heartbeat),
         Taken::Snapshot => Ok(()),
     };
@@ -303,7 +308,7 @@ impl Ring {
             }
             // It is about files.
             Taken::Heartbeat { .. } => return Ok(()),
-            Taken::Status { .. } | Taken::Lost { .. } => {}
+            Taken::Status { .. } | Taken::Lost { .. } | Taken::LeftOut { .. } => {}
         }
         let bytes = self.size(&taken);
         self.kept.push_back(Kept { when: now, bytes, taken, part: part.into() });

@@ -123,6 +123,7 @@ pub fn run(settings: &Settings) -> Result<Ended, Failure> {
             empty,
             recorded: 0,
             lost: 0,
+            left_out: 0,
         },
         storing,
         requested,
@@ -184,6 +185,7 @@ struct Out {
     empty: Receiver<Batch>,
     recorded: u64,
     lost: u64,
+    left_out: u64,
 }
 
 impl Out {
@@ -191,8 +193,8 @@ impl Out {
     /// recorded.
     fn take(&mut self, event: TapEvent, samples: &[Sample], log_ns: u64) -> bool {
         match event {
-            TapEvent::Message(TapMessage::Request(_)) if !self.topics.requests => return false,
-            TapEvent::Message(TapMessage::Reply(_)) if !self.topics.replies => return false,
+            TapEvent::Message(TapMessage::Request(_)) if !self.topics.requests => self.leave_out(),
+            TapEvent::Message(TapMessage::Reply(_)) if !self.topics.replies => self.leave_out(),
             TapEvent::Message(message) => {
                 self.recorded += 1;
                 self.begin(log_ns);
@@ -221,6 +223,15 @@ impl Out {
         }
     }
 
+    /// A message is not to be recorded.
+    fn leave_out(&mut self) {
+        self.left_out += 1;
+        match self.batch.taken.last_mut() {
+            Some(Taken::LeftOut { messages }) => *messages += 1,
+            _ => self.push(Taken::LeftOut { messages: 1 }),
+        }
+    }
+
     fn push(&mut self, taken: Taken) {
         self.begin(bus::now_ns());
         self.batch.taken.push(taken);
@@ -238,7 +249,8 @@ impl Out {
 
     /// Hands what came to the writing thread. While that is behind, the tap keeps what comes.
     fn hand_over(&mut self) {
-        let empty = self.empty.try_recv().unwrap_or_default();
+        // More than one are left of a time when it was behind.
+        let empty = self.empty.try_iter().last().unwrap_or_default();
         let batch = std::mem::replace(&mut self.batch, empty);
         if self.sender.as_ref().is_some_and(|sender| sender.send(batch).is_err()) {
             self.sender = None;
@@ -269,7 +281,7 @@ impl Taker<'_> {
                 // First: what is sent meanwhile counts.
                 let time_ns = bus::now_ns();
                 let waiting = self.tap.waiting();
-                let now = (self.out.recorded + self.out.lost, waiting);
+                let now = (self.out.recorded + self.out.lost + self.out.left_out, waiting);
                 let is_news = beaten.is_none_or(|(at, before)| {
                     at.elapsed() >= EVERY || before != now.0 || waiting > 0
                 });

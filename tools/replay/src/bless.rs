@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use answer::{Answerer, Caps};
 use comparison::check::{Case, Checked};
 use comparison::compare::{Outcome, Verdict};
+use comparison::describe::counted;
 use comparison::named::NamedFreeSpaces;
 use configuration::Config;
 use program::warn;
@@ -93,7 +94,7 @@ fn tell(file: &Checked, accepted: &BTreeSet<u64>, out: &mut impl Write) -> io::R
 }
 
 /// Writes the files of a recording anew with the replies to these requests as they are planned now.
-/// Requests, other replies and statuses stay byte for byte.
+/// Requests, other replies, statuses and messages of other channels stay byte for byte.
 fn rewrite(
     files: &[&Path],
     accepted: &BTreeSet<u64>,
@@ -155,6 +156,7 @@ impl Blessing<'_> {
     ) -> Result<(), Box<dyn Error>> {
         let named = |error| format!("{}: {error}", path.display());
         let mut messages = Messages::open(path).map_err(named)?;
+        messages.keep_others();
         let mut next = messages.next();
         let begin = messages.begin().unwrap_or(0);
         // Numbers go on through the files, and what is missing between them stays missing.
@@ -179,6 +181,15 @@ impl Blessing<'_> {
         }
         self.write_asides(&mut messages, &mut writer)?;
         let old = messages.sequence();
+        if messages.others() > 0 {
+            let others = counted(messages.others(), "message");
+            warn(format_args!(
+                "{}: {others} of other channels kept as they are; those that show replies show the \
+                 old ones (replay export)",
+                path.display()
+            ));
+        }
+        writer.leave_out(messages.left_out());
         writer.lost(messages.end(path, findings));
         self.ended = old.map(|old| [old, writer.sequence()]);
         writer.finish()?;

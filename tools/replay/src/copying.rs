@@ -84,6 +84,21 @@ impl Messages {
         claimed.saturating_sub(self.lost)
     }
 
+    /// From now on, [`Self::asides`] has messages of other channels as well.
+    pub(crate) fn keep_others(&mut self) {
+        self.reader.keep_foreign();
+    }
+
+    /// Messages that were not to be recorded, known once everything has been read.
+    pub(crate) fn left_out(&self) -> u64 {
+        self.reader.summary().map_or(0, |summary| summary.left_out)
+    }
+
+    /// Messages of other channels so far.
+    pub(crate) fn others(&self) -> u64 {
+        self.reader.skipped()
+    }
+
     /// Tells what was wrong, once everything has been read; returns how many messages are missing
     /// at the end.
     pub(crate) fn end(self, path: &Path, findings: &mut Findings) -> u64 {
@@ -163,9 +178,17 @@ impl<'a> Picked<'a> {
     }
 }
 
+/// What became of messages of other channels, for people; nothing where there are none.
+pub(crate) fn of_others(messages: u64, became: &str) -> String {
+    match messages {
+        0 => String::new(),
+        _ => format!(", {} of other channels {became}", counted(messages, "message")),
+    }
+}
+
 /// What was written, for people.
 pub(crate) fn written(path: &Path, requests: u64, summary: Summary) -> String {
-    let Summary { recorded, lost, gaps: _ } = summary;
+    let Summary { recorded, lost, gaps: _, left_out: _ } = summary;
     let missing = match lost {
         0 => String::new(),
         1 => ", 1 message is missing".to_owned(),

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::{self, Write};
 
+use comparison::describe::counted;
 use program::warn;
 use recording::{Message, Options, Writer};
 use schemas::message::{Request, RequestContent};
@@ -60,12 +61,19 @@ pub(crate) fn run(
         requests += u64::from(matches!(record.message, Message::Request(_)));
         copying::write(writer, &record)?;
     }
+    let others = messages.others();
     messages.end(file, findings);
+    if others > 0 && writer.is_some() {
+        // They are of no request.
+        let others = counted(others, "message");
+        warn(format_args!("{}: {others} of other channels left out", file.display()));
+    }
     let Some(writer) = writer else {
         warn(format_args!("replay: {} has no such request; nothing written", file.display()));
         findings.failure = true;
         return Ok(Ok(()));
     };
     let summary = writer.finish()?;
-    Ok(writeln!(out, "{}", copying::written(to, requests, summary)))
+    let others = copying::of_others(others, "left out");
+    Ok(writeln!(out, "{}{others}", copying::written(to, requests, summary)))
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, UNIX_EPOCH};
 
 use comparison::describe::counted;
 use comparison::exchanges::Contents;
+use recording::TOPICS_KEY;
 use serde_json::json;
 
 use crate::report::write_json;
@@ -45,6 +46,11 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
     let [lost, gaps] = [(contents.lost(), "message"), (gaps(contents), "gap")]
         .map(|(count, what)| counted(count, what));
     line("lost", format!("{lost} in {gaps}"))?;
+    if let Some(left_out) =
+        contents.summary.map(|summary| summary.left_out).filter(|&left| left > 0)
+    {
+        line("left out", counted(left_out, "message"))?;
+    }
     line("broken", format!("{} requests or replies", contents.losses.len()))?;
     for (name, requests) in &contents.missing_free_spaces {
         line("missing", format!("free space {name}, {requests} requests"))?;
@@ -53,7 +59,10 @@ pub(crate) fn text(path: &Path, contents: &Contents, out: &mut impl Write) -> io
     if let Some(beat) = contents.heartbeat.filter(|_| contents.summary.is_none()) {
         let waiting = contents.unrecorded();
         let when = humantime::format_rfc3339_nanos(UNIX_EPOCH + Duration::from_nanos(beat.time_ns));
-        line("last sign", format!("{when}; {waiting} messages were sent and not recorded then"))?;
+        // Nobody has seen of which topics they are.
+        let least = if contents.description.contains_key(TOPICS_KEY) { "at most " } else { "" };
+        let text = format!("{when}; {least}{waiting} messages were sent and not recorded then");
+        line("last sign", text)?;
     }
     for (name, value) in &contents.description {
         line(name, value.clone())?;
@@ -105,6 +114,7 @@ pub(crate) fn json(path: &Path, contents: &Contents, out: &mut impl Write) -> io
         "parts": parts,
         "lost": contents.lost(),
         "gaps": gaps(contents),
+        "left_out": summary.map_or(0, |summary| summary.left_out),
         "incomplete": contents.incomplete().collect::<Vec<_>>(),
         "missing_free_spaces": missing_free_spaces.keys().map(ToString::to_string).collect::<Vec<_>>(),
         "other_messages": skipped,

@@ -49,7 +49,8 @@ pub(crate) fn run(
     let mut sources = Vec::with_capacity(files.len());
     for path in &inputs {
         let named = |error| format!("{}: {error}", path.display());
-        let messages = Messages::open(path).map_err(named)?;
+        let mut messages = Messages::open(path).map_err(named)?;
+        messages.keep_others();
         let mut source = Source { path, messages, next: None, asides: Vec::new() };
         source.advance();
         sources.push(source);
@@ -80,13 +81,17 @@ pub(crate) fn run(
         asides.iter().try_for_each(|aside| writer.write_aside(aside))?;
         copying::write(&mut writer, &record)?;
     }
+    let mut others = 0;
     for source in sources {
         source.asides.iter().try_for_each(|aside| writer.write_aside(aside))?;
+        writer.leave_out(source.messages.left_out());
+        others += source.messages.others();
         writer.lost(source.messages.end(source.path, findings));
     }
     let summary = writer.finish()?;
     findings.loss |= summary.lost > 0;
-    Ok(writeln!(out, "{}", copying::written(to, requests, summary)))
+    let others = copying::of_others(others, "kept");
+    Ok(writeln!(out, "{}{others}", copying::written(to, requests, summary)))
 }
 
 /// What their recorders wrote at the beginning: as it is where all say the same, else what each

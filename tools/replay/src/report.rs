@@ -56,10 +56,10 @@ pub(crate) fn losses(recovered: &Recovered) -> impl Iterator<Item = String> {
 
 /// What was recovered, in words.
 pub(crate) fn recovered(recovered: &Recovered) -> String {
-    let Recovered { summary, unreadable, unverified, skipped, .. } = recovered;
+    let Recovered { summary, unreadable, unverified, others, .. } = recovered;
     let mut text = format!(
-        "{} messages recovered, {} missing in {} gaps, {unreadable} unreadable, {skipped} of other \
-         channels left out",
+        "{} messages recovered, {} missing in {} gaps, {unreadable} unreadable, {others} of other \
+         channels kept",
         summary.recorded, summary.lost, summary.gaps,
     );
     if *unverified > 0 {

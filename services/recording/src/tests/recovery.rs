@@ -1,6 +1,9 @@
 //! What is recovered of damaged files, and what is not.
 
+use std::sync::Arc;
+
 use super::*;
+use crate::record::{Aside, Foreign};
 use crate::recover::Recovered;
 
 /// What is saved of a file, and what is said of the rest.
@@ -48,7 +51,7 @@ fn damage_in_the_last_chunk_is_counted() {
     let (records, found) = recovered(&small.bytes, false);
     assert_eq!(sequences(&records), [0, 1, 2, 3]);
     let found = found.unwrap();
-    assert_eq!(found.summary, Summary { recorded: 4, lost: 2, gaps: 1 });
+    assert_eq!(found.summary, Summary { recorded: 4, lost: 2, gaps: 1, left_out: 0 });
     assert!(found.is_incomplete());
     assert!(matches!(found.dropped[..], [Dropped { damage: Damage::Checksum { .. }, .. }]));
     // Killed before it wrote its index.
@@ -226,4 +229,40 @@ impl<R: io::Seek> io::Seek for Counting<R> {
     fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
         self.input.seek(to)
     }
+}
+
+#[test]
+fn what_stands_beside_messages_is_recovered() {
+    let disk = Disk::new(usize::MAX);
+    let mut writer = Writer::new(disk.clone(), fixed()).unwrap();
+    writer.write_status("{\"first\": 1}", 1).unwrap();
+    let channel = Arc::new(Foreign {
+        topic: "/camera".to_owned(),
+        encoding: "raw".to_owned(),
+        metadata: [("frame".to_owned(), "map".to_owned())].into(),
+        schema: Some(("Image".to_owned(), "raw".to_owned(), vec![1, 2])),
+    });
+    let image = |sequence| Aside::Foreign {
+        channel: Arc::clone(&channel),
+        message: vec![9; 50],
+        sequence,
+        log_ns: 7,
+        publish_ns: 5,
+    };
+    writer.write_aside(&image(3)).unwrap();
+    writer.write_request(&request(0), 2).unwrap();
+    writer.write_aside(&image(4)).unwrap();
+    writer.leave_out(3);
+    writer.finish().unwrap();
+    let copy = Disk::new(usize::MAX);
+    let create = |options| Writer::new(copy.clone(), options);
+    let found = salvage(io::Cursor::new(disk.bytes()), false, fixed(), create).unwrap().unwrap();
+    assert_eq!((found.others, found.summary.recorded, found.summary.left_out), (2, 1, 3));
+    let bytes = copy.bytes();
+    let mut reader = Reader::new(&bytes[..]).unwrap();
+    reader.keep_statuses();
+    reader.keep_foreign();
+    assert_eq!(reader.by_ref().map(|record| record.unwrap().sequence).collect::<Vec<_>>(), [0]);
+    let json = "{\"first\": 1}".to_owned();
+    assert_eq!(reader.take_asides(), [Aside::Status { json, log_ns: 1 }, image(3), image(4)]);
 }

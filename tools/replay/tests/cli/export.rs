@@ -1,5 +1,8 @@
 //! `export`: for viewers, as samples, as ROS messages.
 
+use std::path::Path;
+
+use recording::{Aside, Reader};
 use serde_json::Value;
 
 use crate::recorded::{Folder, keep, record_named};
@@ -7,6 +10,32 @@ use crate::recorded::{Folder, keep, record_named};
 fn lines(folder: &Folder, name: &str) -> Vec<String> {
     let text = std::fs::read_to_string(folder.path(name)).unwrap();
     text.lines().map(str::to_owned).collect()
+}
+
+/// Messages of other channels.
+fn others(path: &Path) -> Vec<Aside> {
+    let mut reader = Reader::open(path).unwrap();
+    reader.keep_foreign();
+    reader.by_ref().for_each(|record| drop(record.unwrap()));
+    let mut asides = reader.take_asides();
+    asides.retain(|aside| matches!(aside, Aside::Foreign { .. }));
+    asides
+}
+
+/// Recorded with changed replies, exported and blessed: what viewers show stays, and is said to.
+#[test]
+fn blessing_keeps_messages_of_other_channels() {
+    let folder = Folder::with("a.mcap", |part| {
+        part.content.iter_mut().for_each(|motion| motion.length += 1.0);
+        true
+    });
+    let (code, _, _) = folder.run(&["export", "a.mcap", "-o", "v.mcap"]);
+    assert_eq!(code, 0);
+    let before = others(&folder.path("v.mcap"));
+    let said = format!("v.mcap: {} messages of other channels kept as they are", before.len());
+    folder.check(&["bless", "v.mcap", "--uncommitted"], 0, "3 of 3 replies accepted", &said);
+    assert_eq!(others(&folder.path("v.mcap")), before);
+    folder.check(&["check", "v.mcap"], 0, "3 requests, 3 equal\n", "");
 }
 
 #[test]
@@ -20,6 +49,15 @@ fn what_is_exported_is_a_recording_still() {
     folder.check(&["export", "v.mcap", "-o", "w.mcap"], 0, "w.mcap: 3 requests", "");
     let size = |name: &str| std::fs::metadata(folder.path(name)).unwrap().len();
     assert_eq!(size("v.mcap"), size("w.mcap"));
+    // What is made of it keeps them, or says that it does not.
+    let others = others(&folder.path("v.mcap"));
+    assert!(!others.is_empty());
+    folder.check(&["merge", "v.mcap", "-o", "m.mcap"], 0, "messages of other channels kept", "");
+    assert_eq!(self::others(&folder.path("m.mcap")), others);
+    let extract = ["extract", "v.mcap", "--request", "0", "-o", "e.mcap"];
+    let said = format!("v.mcap: {} messages of other channels left out", others.len());
+    folder.check(&extract, 0, "messages of other channels left out", &said);
+    assert_eq!(self::others(&folder.path("e.mcap")), []);
     let (code, _, said) = folder.run(&["export", "a.mcap", "-o", "x.mcap", "--apart"]);
     assert_eq!((code, said.as_str()), (0, ""), "nothing overlaps");
 }
