@@ -12,18 +12,24 @@ use sha2::{Digest, Sha256};
 use crate::independent::{node, python};
 use crate::read::recording;
 
-/// The largest a recording in the repository may be, bytes.
+/// The largest a recording in the repository may be, and one of a single scene, bytes.
 const MOST_BYTES: u64 = 1 << 20;
+const MOST_OF_ONE: u64 = 64 << 10;
+
+fn of_one() -> Vec<PathBuf> {
+    comparison::check::find(&[root().join("recordings/each")]).unwrap()
+}
 
 fn golden() -> Vec<PathBuf> {
-    let found = comparison::check::find(&[root().join("recordings")]);
-    found.expect("there are recordings")
+    let mut found = comparison::check::find(&[root().join("recordings")]).unwrap();
+    found.retain(|path| !of_one().contains(path));
+    found
 }
 
 #[test]
 fn recordings_replay_bit_for_bit() {
     let test = TestDomain::new();
-    let files = golden();
+    let files = [golden(), of_one()].concat();
     let mut arguments = vec!["check"];
     arguments.extend(files.iter().map(|path| path.to_str().unwrap()));
     let checked = test.run("replay", &arguments);
@@ -48,6 +54,18 @@ fn recordings_are_small_and_described() {
         );
         let bytes = path.metadata().unwrap().len();
         assert!(bytes <= MOST_BYTES, "{name} has {bytes} bytes, at most {MOST_BYTES} are allowed");
+    }
+}
+
+/// Each scene has its own; a difference there is of that scene alone.
+#[test]
+fn recordings_of_one_scene_are_small() {
+    let files = of_one();
+    assert!(files.len() > 30);
+    for path in files {
+        let bytes = path.metadata().unwrap().len();
+        assert!(bytes <= MOST_OF_ONE, "{} has {bytes} bytes", path.display());
+        assert_eq!(recording(&path).requests().len(), 1, "{}", path.display());
     }
 }
 

@@ -25,6 +25,8 @@
 //! takes place in (x, z), driving in (x, y), and everything in three dimensions in (x, y, z);
 //! coordinates are in that order.
 
+#[cfg(all(feature = "altered-rules", debug_assertions))]
+pub mod altered;
 pub mod any_angle;
 pub mod budget;
 pub mod clearance;

@@ -17,7 +17,6 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use files::FILES;
-use recordings::RECORDINGS;
 
 /// Regenerates the repository's generated files: pictures, figures, tables, schemas and golden
 /// recordings.
@@ -76,8 +75,9 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let seeds = corpora::seeds();
+    let goldens = recordings::all();
     let known: Vec<&str> = (FILES.iter().map(|file| file.path))
-        .chain(RECORDINGS.iter().map(|recording| recording.path))
+        .chain(goldens.iter().map(|recording| recording.path.as_str()))
         .chain(seeds.iter().map(|(path, _)| path.as_str()))
         .collect();
     for path in &arguments.only {
@@ -112,7 +112,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
             println!("{path} written");
         }
     }
-    for recording in RECORDINGS.iter().filter(|recording| wanted(recording.path)) {
+    for recording in goldens.iter().filter(|recording| wanted(&recording.path)) {
         let difference = recording.difference()?;
         match difference {
             None if !arguments.force => continue,

@@ -8,59 +8,91 @@ use comparison::exchanges;
 use comparison::tolerance::Tolerance;
 use integration_tests::{TestDomain, root, scene_text};
 use schemas::json;
-use schemas::message::{RequestContent, SceneRequest};
+use schemas::message::{RequestContent, Sampling, SceneRequest};
 
 use crate::Error;
 
 /// A golden recording.
 pub(crate) struct Golden {
     /// Where it is in the repository.
-    pub(crate) path: &'static str,
+    pub(crate) path: String,
     /// Its requests, in order.
-    requests: &'static [Source],
+    requests: Vec<Source>,
+    /// How many samples its motions have where scenes ask for no number, if not as they ask.
+    samples: Option<u64>,
 }
 
 /// Where requests come from; files in `recordings/scenes`.
+#[derive(Clone, Copy)]
 enum Source {
     /// A scene.
     Scene(&'static str),
     /// A scene on each line.
     Lines(&'static str),
+    /// The scene on one line, from 1.
+    Line(&'static str, usize),
 }
 
-use Source::{Lines, Scene};
+use Source::{Line, Lines, Scene};
 
-/// Every golden recording.
-pub(crate) const RECORDINGS: &[Golden] = &[
-    Golden {
-        path: "recordings/disassembly.mcap",
-        requests: &[
-            Scene("disassemble.json"),
-            Scene("disassemble-channels.json"),
-            Scene("assemble.json"),
-        ],
-    },
-    Golden {
-        path: "recordings/driving.mcap",
-        requests: &[Scene("drive-a.json"), Scene("drive-b.json"), Lines("drives.jsonl")],
-    },
-    Golden {
-        path: "recordings/free-space.mcap",
-        requests: &[
+/// Recordings of several scenes, as their scenes are.
+const OF_SEVERAL: &[(&str, &[Source])] = &[
+    (
+        "disassembly",
+        &[Scene("disassemble.json"), Scene("disassemble-channels.json"), Scene("assemble.json")],
+    ),
+    ("driving", &[Scene("drive-a.json"), Scene("drive-b.json"), Lines("drives.jsonl")]),
+    (
+        "free-space",
+        &[
             Scene("disassemble-solids.json"),
             Scene("disassemble-space.json"),
             Scene("drive-office-boxes.json"),
         ],
-    },
-    Golden { path: "recordings/refusals.mcap", requests: &[Lines("refusals.jsonl")] },
-    Golden { path: "recordings/no-route.mcap", requests: &[Lines("no-route.jsonl")] },
-    Golden { path: "recordings/routes.mcap", requests: &[Lines("routes.jsonl")] },
+    ),
+    ("refusals", &[Lines("refusals.jsonl")]),
+    ("no-route", &[Lines("no-route.jsonl")]),
+    ("routes", &[Lines("routes.jsonl")]),
 ];
+
+/// Samples of each motion in recordings of one scene: what else is in a reply is not thinned.
+const SAMPLES: u64 = 20;
+
+/// Every golden recording: those of several scenes, and one of each of their scenes.
+pub(crate) fn all() -> Vec<Golden> {
+    let mut all = Vec::new();
+    for (name, requests) in OF_SEVERAL {
+        let path = format!("recordings/{name}.mcap");
+        all.push(Golden { path, requests: requests.to_vec(), samples: None });
+    }
+    for source in OF_SEVERAL.iter().flat_map(|(_, requests)| *requests) {
+        let mut add = |name: String, source| {
+            let path = format!("recordings/each/{name}.mcap");
+            all.push(Golden { path, requests: vec![source], samples: Some(SAMPLES) });
+        };
+        match *source {
+            Scene(file) => add(file.trim_end_matches(".json").to_owned(), *source),
+            Lines(file) => {
+                let name = file.trim_end_matches(".jsonl");
+                let lines = lines(file).len();
+                (1..=lines).for_each(|line| add(format!("{name}-{line}"), Line(file, line)));
+            }
+            Line(..) => unreachable!("none of them is one"),
+        }
+    }
+    all
+}
+
+/// The scenes of a file, one on each line.
+fn lines(name: &str) -> Vec<String> {
+    let text = scene_text(name);
+    text.lines().filter(|line| !line.trim().is_empty()).map(str::to_owned).collect()
+}
 
 impl Golden {
     /// Why the recording has to be made again, if it has to.
     pub(crate) fn difference(&self) -> Result<Option<String>, Error> {
-        self.difference_in(&root().join(self.path))
+        self.difference_in(&root().join(&self.path))
     }
 
     fn difference_in(&self, path: &Path) -> Result<Option<String>, Error> {
@@ -108,21 +140,28 @@ impl Golden {
     /// The scenes that its clients send.
     fn scenes(&self) -> Result<Vec<SceneRequest>, Error> {
         let mut scenes = Vec::new();
-        for source in self.requests {
+        for source in &self.requests {
             let mut read = |name: &str, read: Result<SceneRequest, json::UnreadableScene>| {
                 let unreadable = |error: json::UnreadableScene| Error::Content {
                     path: file(name).into(),
                     reason: error.refusal.message,
                 };
-                read.map_err(unreadable).map(|scene| scenes.push(scene))
+                let mut scene = read.map_err(unreadable)?;
+                let asks_for_some = matches!(scene.sampling, Some(Sampling::Count(_)));
+                if let Some(samples) = self.samples.filter(|_| !asks_for_some) {
+                    scene.sampling = Some(Sampling::Count(samples));
+                }
+                scenes.push(scene);
+                Ok::<_, Error>(())
             };
-            match source {
+            match *source {
                 Scene(name) => read(name, json::read_scene(&scene_text(name)))?,
                 Lines(name) => {
-                    for line in scene_text(name).lines().filter(|line| !line.trim().is_empty()) {
-                        read(name, json::read_scene(line))?;
+                    for line in lines(name) {
+                        read(name, json::read_scene(&line))?;
                     }
                 }
+                Line(name, line) => read(name, json::read_scene(&lines(name)[line - 1]))?,
             }
         }
         Ok(scenes)
@@ -132,20 +171,17 @@ impl Golden {
     pub(crate) fn make(&self) -> Result<(), Error> {
         let test = TestDomain::new();
         let planner = test.planner(&[]);
-        let recorder = test.recorder("golden.mcap", &[]);
-        for source in self.requests {
-            let path = |name| root().join(file(name)).display().to_string();
-            match source {
-                Scene(name) => drop(test.plan(&["--format", "json", &path(name)])),
-                Lines(name) => drop(test.plan_lines(&scene_text(name))),
-            }
+        let compression = if self.samples.is_some() { "zstd" } else { "none" };
+        let recorder = test.recorder("golden.mcap", &["--compression", compression]);
+        for scene in self.scenes()? {
+            drop(test.plan_lines(&json::scene_to_json(&scene)));
         }
         recorder.stop();
         planner.stop();
         let made = test.path("golden.mcap");
         match self.difference_in(&made)? {
-            None => copy(&made, &root().join(self.path)),
-            Some(reason) => Err(Error::Content { path: self.path.into(), reason }),
+            None => copy(&made, &root().join(&self.path)),
+            Some(reason) => Err(Error::Content { path: self.path.clone().into(), reason }),
         }
     }
 }
@@ -155,5 +191,7 @@ fn file(name: &str) -> String {
 }
 
 fn copy(from: &Path, to: &Path) -> Result<(), Error> {
-    fs::copy(from, to).map(drop).map_err(|cause| Error::Write { path: to.to_owned(), cause })
+    let folder = to.parent().map_or(Ok(()), fs::create_dir_all);
+    let copied = folder.and_then(|()| fs::copy(from, to));
+    copied.map(drop).map_err(|cause| Error::Write { path: to.to_owned(), cause })
 }

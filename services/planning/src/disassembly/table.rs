@@ -58,6 +58,12 @@ pub(super) fn turn_in<const D: usize>(approach: Direction, leaving: Direction) -
             (RIGHT, DOWN) => (8, Margin::LEFT, Margin::DOWN),
         }
     };
+    #[cfg(all(feature = "altered-rules", debug_assertions))]
+    let left_or_right = match (crate::altered::is_altered(number), left_or_right) {
+        (true, Margin::Least) => Margin::Greatest,
+        (true, Margin::Greatest) => Margin::Least,
+        (false, by_table) => by_table,
+    };
     let plane = match (D, horizontal, vertical) {
         (3, 1, 2) => 1,
         (3, 0, 1) => 2,

@@ -2,6 +2,8 @@
 
 mod check;
 mod export;
+// Their planners are those of debug builds.
+#[cfg(debug_assertions)]
 mod mutations;
 mod page;
 mod recorded;

@@ -4,12 +4,13 @@
 use std::path::Path;
 
 use answer::Caps;
+use planning::altered::with_rule_altered;
 use recording::{Message, Options, Reader, Writer};
 use schemas::codec;
 use schemas::json as scenes;
 use schemas::message::{
-    ClearanceWish, Curve, Gap, Leg, Reply, Request, RequestContent, RequestKey, Sampling,
-    SceneRequest, Trajectory, Vector,
+    ClearanceWish, Curve, Gap, Reply, Request, RequestContent, RequestKey, Sampling, SceneRequest,
+    Trajectory,
 };
 use serde_json::{Value, json};
 
@@ -35,10 +36,11 @@ fn requests() -> [Request; 3] {
 /// A planner that is changed.
 struct Mutation {
     scene: fn(&mut SceneRequest),
-    motion: fn(&mut Trajectory),
+    /// The rule of Table 1 that is another one.
+    rule: Option<u8>,
 }
 
-const NONE: Mutation = Mutation { scene: |_| {}, motion: |_| {} };
+const NONE: Mutation = Mutation { scene: |_| {}, rule: None };
 
 impl Mutation {
     fn reply_to(&self, request: &Request) -> Reply {
@@ -47,9 +49,11 @@ impl Mutation {
         if scene.limits.speed != Some(-1.0) {
             (self.scene)(scene);
         }
-        let mut reply = answer::reply_to(&changed, &Caps::default());
-        reply.answers.iter_mut().flatten().flatten().for_each(self.motion);
-        reply
+        let reply_to = || answer::reply_to(&changed, &Caps::default());
+        match self.rule {
+            Some(number) => with_rule_altered(number, reply_to),
+            None => reply_to(),
+        }
     }
 
     fn record(&self, path: &Path, client: u64) {
@@ -226,29 +230,54 @@ fn another_sampling_moves_samples_only() {
     });
 }
 
-/// A planner whose first rule of table 1 leads 3 mm farther along x.
+/// A planner whose rule 3 of Table 1 puts the body to the left of its junction instead of to the right.
+///
+/// By hand: the body spans x from 4.5 to 6.99, the junction from 1 to 5. At gap 0.2 its right side comes
+/// to 4.8 by the rule, which moves it by -2.19, and its left side to 1.2 by the other, which moves it by
+/// -3.3. The way-point before (-0.3, 1.19), the height of this one (1.8) and of the end (5.99) stay.
 #[test]
 fn one_changed_rule_moves_its_legs_only() {
-    const BY: f64 = 0.003;
-    let mutation = Mutation {
-        motion: |motion| {
-            let is_by_rule = |leg: &Leg| leg.rule.is_some_and(|rule| rule.table == 1);
-            let Some(leg) = motion.legs.iter().position(is_by_rule) else { return };
-            // The way-point of the rule; samples there follow.
-            let Curve::Line { to, .. } = &mut motion.legs[leg].curve else { unreachable!() };
-            let ([x, y, z], dimension) = (to.padded(), to.dimension());
-            *to = Vector::new(&[x + BY, y, z][..dimension]).unwrap();
-            if let Some(next) = motion.legs.get_mut(leg + 1) {
-                let Curve::Line { from, .. } = &mut next.curve else { unreachable!() };
-                *from = Vector::new(&[x + BY, y, z][..dimension]).unwrap();
-            }
-            let there = motion.samples.iter_mut().filter(|sample| sample.position == [x, y, z]);
-            there.for_each(|sample| sample.position[0] += BY);
-        },
-        ..NONE
-    };
-    check(&mutation, &[0], |_, told, _| {
-        near(&told["position"]["distance"], BY);
-        near(&told["length"]["change"], 0.0);
+    let ways = [-3.3, -2.19].map(|x| [[0.0, 0.0], [-0.3, 1.19], [x, 1.8], [x, 5.99]]);
+    let lengths = ways.map(|way| {
+        let length = |ends: &[[f64; 2]]| {
+            let [x, z] = [0, 1].map(|axis| ends[1][axis] - ends[0][axis]);
+            (x * x + z * z).sqrt()
+        };
+        way.windows(2).map(length).sum::<f64>()
     });
+    let mutation = Mutation { rule: Some(3), ..NONE };
+    check(&mutation, &[0], |_, told, motions| {
+        for (motion, way) in motions.into_iter().zip(ways) {
+            let mut legs = 0;
+            for (leg, ends) in motion.legs.iter().zip(way.windows(2)) {
+                let Curve::Line { from, to, .. } = &leg.curve else { panic!("{leg:?}") };
+                for (point, by_hand) in [from, to].into_iter().zip(ends) {
+                    let apart =
+                        point.as_slice().iter().zip(by_hand).map(|(one, other)| one - other);
+                    assert!(apart.map(f64::abs).sum::<f64>() < 1e-12, "{point:?}, {by_hand:?}");
+                }
+                legs += 1;
+            }
+            assert_eq!(legs, 3);
+        }
+        let [recorded, planned] = lengths;
+        near(&told["length"]["recorded"], recorded);
+        near(&told["length"]["planned"], planned);
+        near(&told["length"]["change"], planned - recorded);
+        near(&told["duration"]["recorded"], times(motions[0], 1.0).iter().sum());
+        near(&told["duration"]["planned"], times(motions[1], 1.0).iter().sum());
+    });
+}
+
+/// The same planner without the switch plans by the rules.
+#[test]
+fn the_switch_is_off_by_itself() {
+    let rules =
+        |motion: &Trajectory| -> Vec<_> { motion.legs.iter().map(|leg| leg.rule).collect() };
+    let altered = motion(&Mutation { rule: Some(3), ..NONE }, 0);
+    let by_rules = motion(&NONE, 0);
+    assert_eq!(rules(&altered), rules(&by_rules));
+    assert_ne!(altered.legs[1], by_rules.legs[1]);
+    assert_eq!(altered.legs[0], by_rules.legs[0], "rule 1 stays");
+    assert_eq!(motion(&Mutation { rule: Some(4), ..NONE }, 0), by_rules, "no leg is by rule 4");
 }
