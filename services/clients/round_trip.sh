@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Times a round trip through each client, by turns, in one run: round_trip.sh PYTHON [PROFILE], where
-# PYTHON has the package clearway of the same profile (`release` by default). Needs a C++ compiler.
+# Times a round trip through each client, by turns, in one run, beside iceoryx2 alone, a Unix-domain socket
+# with pickled numpy and, if PYTHON has ROS 2, GetPlan between two processes: round_trip.sh PYTHON [PROFILE],
+# where PYTHON has the package clearway of the same profile (`release` by default). Needs a C++ compiler.
 set -euo pipefail
 [ $# -ge 1 ] || { echo "usage: round_trip.sh PYTHON [PROFILE]" >&2; exit 2; }
 python=$(realpath --no-symlinks "$1")
@@ -29,5 +30,11 @@ for samples in 100 1000; do
             printf '  Python %-8s %s\n' "$form" \
                 "$("$python" services/clients/python/examples/round_trip.py "$folder/scene.json" bench 5000 "$form")"
         done
+        echo "  socket, pickle  $("$python" services/clients/python/examples/socket_round_trip.py "$folder/scene.json" "$samples" 5000)"
+        if "$python" -c 'import rclpy' 2>/dev/null; then
+            echo "  GetPlan, rclpy  $("$python" services/clients/ros/test/round_trip.py "$samples" 500)"
+        fi
     done
 done
+# By polling alone, with the same payloads.
+[ "$profile" != release ] || cargo bench --quiet --locked -p integration-tests --bench round_trip

@@ -93,6 +93,8 @@ fn dependencies_run_one_way() {
         ),
         // Runs what the other programs run, by their libraries.
         ("demo", [&SERVICES[..], &TOOLS].concat()),
+        // All programs in one.
+        ("command", vec!["demo", "plan", "planner", "program", "recorder", "replay"]),
         // Makes what the others' tests compare with.
         ("bless", [&SERVICES[..], &TOOLS, &["fuzz-targets", "integration-tests"]].concat()),
         // Reads what others wrote, by the libraries that read it.
@@ -183,7 +185,8 @@ fn naming(name: &str) -> Vec<PathBuf> {
 fn foreign_formats_are_named_where_they_belong() {
     assert_eq!(naming("bincode"), [Path::new("schemas/src/codec.rs")]);
     // What is compared with it, and who does what our ports would not.
-    let bare = ["tests/benches/bare.rs", "tests/support/raw.rs"].map(Path::new);
+    let bare = ["tests/benches/bare.rs", "tests/support/raw.rs", "tests/support/raw/planner.rs"]
+        .map(Path::new);
     for path in naming("iceoryx2") {
         let is_bare = bare.contains(&path.as_path());
         assert!(path.starts_with("services/bus") || is_bare, "{} names it", path.display());

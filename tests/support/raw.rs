@@ -18,8 +18,12 @@ use schemas::convert::write_scene;
 use schemas::message::{RequestKey, SceneRequest};
 use schemas::{topic, wire};
 
+mod planner;
+
+pub use planner::{Lie, RawPlanner};
+
 macro_rules! header {
-    ($name:ident, $plain:ty, $type_name:literal) => {
+    ($name:ident, $plain:ty, $type_name:literal, $hash:expr) => {
         #[derive(Debug, Default, Clone, Copy)]
         #[repr(transparent)]
         struct $name($plain);
@@ -28,17 +32,19 @@ macro_rules! header {
         // SAFETY: a transparent wrapper of a `Pod` type that is `repr(C)`.
         unsafe impl ZeroCopySend for $name {
             unsafe fn type_name() -> &'static str {
-                static NAME: LazyLock<String> = LazyLock::new(|| {
-                    format!("clearway::{}#{:016x}", $type_name, wire::layout_hash())
-                });
+                static NAME: LazyLock<String> =
+                    LazyLock::new(|| format!("clearway::{}#{:016x}", $type_name, $hash));
                 &NAME
             }
         }
     };
 }
 
-header!(Request, wire::RequestHeader, "RequestHeader");
-header!(Reply, wire::ReplyHeader, "ReplyHeader");
+header!(Request, wire::RequestHeader, "RequestHeader", wire::layout_hash());
+header!(Reply, wire::ReplyHeader, "ReplyHeader", wire::layout_hash());
+// The same in a layout that differs.
+header!(OtherRequest, wire::RequestHeader, "RequestHeader", !wire::layout_hash());
+header!(OtherReply, wire::ReplyHeader, "ReplyHeader", !wire::layout_hash());
 
 /// The library's own fields of a request (its `service/header/request_response.rs`), in cells of
 /// 8 bytes: node and client (two each), channel, request, count of elements, and one more.

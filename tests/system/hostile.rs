@@ -3,9 +3,12 @@
 use std::time::{Duration, Instant};
 
 use bus::{CallError, Client, Wait};
+use clearway_client::Scene;
 use fastrand::Rng;
 use integration_tests::load::short;
-use integration_tests::raw::{CHANNEL, ELEMENTS, End, Memory, OwnFields, RawClient};
+use integration_tests::raw::{
+    CHANNEL, ELEMENTS, End, Lie, Memory, OwnFields, RawClient, RawPlanner,
+};
 use integration_tests::{
     LONG, Signal, TestDomain, kill_pid, scene, scene_files, serving, wait_for,
 };
@@ -160,4 +163,22 @@ fn requests_of_a_serving_process_that_dies_are_lost_at_once() {
     let ended = planner.stop();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert!(test.left().is_empty(), "{:?}", test.left());
+}
+
+#[test]
+fn a_planner_that_lies_is_told_from_one_that_does_not() {
+    let scene = Scene::new(small(1)).unwrap();
+    for (lie, name, said) in Lie::ALL {
+        let test = TestDomain::new();
+        let planner = RawPlanner::open(&test.domain(), lie).unwrap();
+        let asked = std::thread::spawn({
+            let (domain, scene) = (test.domain(), scene.clone());
+            move || clearway_client::Client::connect(&domain)?.plan(&scene, LONG)
+        });
+        while !asked.is_finished() {
+            planner.serve().unwrap();
+        }
+        let error = asked.join().unwrap().unwrap_err();
+        assert!(error.to_string().contains(said), "{name}: {error}");
+    }
 }

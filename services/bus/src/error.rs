@@ -146,6 +146,14 @@ pub enum CallError {
     /// What the planner wrote is not a reply.
     #[error("the reply is malformed: {0}")]
     Malformed(#[from] Malformed),
+    /// A part of it can't be where it says that it is.
+    #[error("the reply is malformed: a part claims {claimed} cells, but has at most {most}")]
+    LongPart {
+        /// Cells that it claims.
+        claimed: u64,
+        /// Cells that any part has room for.
+        most: usize,
+    },
     /// Parts of the reply are missing.
     #[error("the reply is incomplete: {0}")]
     Incomplete(#[from] AssembleError),

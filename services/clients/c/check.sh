@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs libclearway, builds the examples as users would, and compares what they print with
 # `plan --local`, under AddressSanitizer and valgrind too: check.sh FOLDER PROGRAMS, where PROGRAMS
-# has `planner` and `plan`. Needs a C and a C++ compiler, pkg-config and valgrind; cmake if it is there.
+# has `planner`, `plan` and `raw-planner`. Needs a C and a C++ compiler, pkg-config and valgrind; cmake if it is there.
 set -euo pipefail
 folder=$(realpath -m "$1")
 programs=$(realpath "$2")
@@ -75,4 +75,25 @@ for program in "$folder"/c-gcc "$folder"/c++-gcc; do
     "$program" "$folder/bad.json" check 2>"$folder/said" && fail "$program takes a bad scene"
     grep -q "invalid_scene" "$folder/said" || fail "$program: $(cat "$folder/said")"
 done
+kill "$planner"
+wait "$planner" 2>/dev/null || true
+
+# A planner that lies is an error, and no memory is read that is not there.
+tell() {
+    coproc liar { exec "$programs/raw-planner" "lie-$1" "$1"; }
+    planner=$liar_PID
+    read -r _ <&"${liar[0]}"
+    for program in "${plan[@]}"; do
+        "$program" "$scenes/drive-a.json" "lie-$1" >/dev/null 2>"$folder/said" && fail "$program believes $1"
+        grep -q "$2" "$folder/said" || fail "$program, $1: $(cat "$folder/said")"
+    done
+    kill "$planner"
+    wait "$planner" 2>/dev/null || true
+    rm -rf "/dev/shm/cw_raw$(printf %05d $((planner % 100000)) | tr 0-9 a-j)_"* "$CLEARWAY_ROOT"
+}
+tell layout "another layout of version 2"
+tell version "version is 99"
+tell truncated "samples needs 900 cells, 9 are left"
+tell trailing "9 cells follow"
+tell elements "claims 1099511627776 cells"
 echo "check.sh: $compared replies compared"

@@ -30,13 +30,13 @@ pub enum MapError {
     )]
     NothingFree { path: PathBuf, cells: usize, free: f64 },
     #[error("{}: {cause}", path.display())]
-    Grid { path: PathBuf, cause: GridError },
+    Grid { path: PathBuf, cause: CellsError },
 }
 
 /// Why cells are no map.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say what the fields are")]
-pub enum GridError {
+pub enum CellsError {
     #[error("the map has {width} x {height} cells, but needs at least 1 x 1")]
     NoCells { width: u64, height: u64 },
     #[error("the map has {width} x {height} = {has} cells, but at most {most} are allowed")]

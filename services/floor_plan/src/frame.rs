@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::error::GridError;
+use crate::error::CellsError;
 
 /// A yaw this close to a multiple of a quarter turn is that multiple, radians.
 const SAME_YAW: f64 = 1e-9;
@@ -40,7 +40,7 @@ impl MapFrame {
         resolution: f64,
         [x, y, yaw]: [f64; 3],
         [width, height]: [usize; 2],
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, CellsError> {
         let frame = Self { origin: [x, y], resolution, turn: Turn::new(yaw) };
         let [width, height] = [width as u32, height as u32];
         let (min, max) = frame.extent([width, height]);
@@ -58,7 +58,7 @@ impl MapFrame {
             let corner = frame.place([width, height]);
             let ends = frame.origin.into_iter().chain(corner);
             let farthest = ends.fold(0.0, |far: f64, c| if c.abs() > far.abs() { c } else { far });
-            return Err(GridError::TooFarOut { resolution, farthest });
+            return Err(CellsError::TooFarOut { resolution, farthest });
         }
         Ok(frame)
     }

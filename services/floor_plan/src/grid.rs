@@ -2,7 +2,7 @@
 
 use crate::MOST_CELLS;
 use crate::cells::CellSet;
-use crate::error::GridError;
+use crate::error::CellsError;
 
 /// Whether a robot may drive where nothing is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -48,11 +48,11 @@ impl OccupancyGrid {
         cells: &[i8],
         [width, height]: [u64; 2],
         free_most: u8,
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, CellsError> {
         Self::check_size(width, height)?;
         if cells.len() as u64 != width * height {
             let (has, needs) = (cells.len(), width * height);
-            return Err(GridError::CellCount { width, height, has, needs });
+            return Err(CellsError::CellCount { width, height, has, needs });
         }
         let width = width as usize;
         let mut grid = Self::new(width, height as usize);
@@ -70,13 +70,13 @@ impl OccupancyGrid {
     }
 
     /// Whether a map may have this size.
-    pub(crate) fn check_size(width: u64, height: u64) -> Result<(), GridError> {
+    pub(crate) fn check_size(width: u64, height: u64) -> Result<(), CellsError> {
         if width == 0 || height == 0 {
-            return Err(GridError::NoCells { width, height });
+            return Err(CellsError::NoCells { width, height });
         }
         let has = width * height;
         if has > MOST_CELLS {
-            return Err(GridError::TooManyCells { width, height, has, most: MOST_CELLS });
+            return Err(CellsError::TooManyCells { width, height, has, most: MOST_CELLS });
         }
         Ok(())
     }

@@ -37,7 +37,7 @@ mod plan;
 #[cfg(feature = "pictures")]
 mod read;
 
-pub use error::GridError;
+pub use error::CellsError;
 #[cfg(feature = "pictures")]
 pub use error::MapError;
 pub use frame::MapFrame;

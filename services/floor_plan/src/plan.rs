@@ -4,7 +4,7 @@ use schemas::message::{AxisBox, FreeSpace, Solid, Vector};
 
 use crate::MOST_CORNERS;
 use crate::border;
-use crate::error::GridError;
+use crate::error::CellsError;
 use crate::frame::MapFrame;
 use crate::grid::{OccupancyGrid, UnknownCells};
 use crate::outlines::{self, Outlines, SharedVertices};
@@ -29,17 +29,17 @@ impl FloorPlan {
         origin: [f64; 3],
         free_most: u8,
         unknown: UnknownCells,
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, CellsError> {
         if !(resolution > 0.0 && resolution.is_finite()) {
             let expected = "a number of metres greater than 0";
-            return Err(GridError::Field { field: "resolution", expected, has: resolution });
+            return Err(CellsError::Field { field: "resolution", expected, has: resolution });
         }
         if let Some(has) = origin.into_iter().find(|coordinate| !coordinate.is_finite()) {
-            return Err(GridError::Field { field: "origin", expected: "finite", has });
+            return Err(CellsError::Field { field: "origin", expected: "finite", has });
         }
         if free_most > 99 {
             let (expected, has) = ("a percentage from 0 to 99", f64::from(free_most));
-            return Err(GridError::Field { field: "free_most", expected, has });
+            return Err(CellsError::Field { field: "free_most", expected, has });
         }
         let grid = OccupancyGrid::from_occupancy(cells, [width.into(), height.into()], free_most)?;
         Self::new(grid, resolution, origin, f64::from(free_most) / 100.0, unknown)
@@ -51,20 +51,20 @@ impl FloorPlan {
         origin: [f64; 3],
         free_threshold: f64,
         unknown: UnknownCells,
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, CellsError> {
         let size = [grid.width(), grid.height()];
         let frame = MapFrame::new(resolution, origin, size)?;
         let solid = grid.solid(unknown == UnknownCells::Free);
         let cells = size[0] * size[1];
         if solid.len() == cells {
-            return Err(GridError::NothingFree { cells });
+            return Err(CellsError::NothingFree { cells });
         }
         let shared = match frame.is_turned() {
             true => SharedVertices::Kept,
             false => SharedVertices::Dropped,
         };
         let outlines = outlines::trace(&solid, size, shared, MOST_CORNERS)
-            .map_err(|has| GridError::TooManyCorners { has, most: MOST_CORNERS })?;
+            .map_err(|has| CellsError::TooManyCorners { has, most: MOST_CORNERS })?;
         Ok(Self { grid, frame, free_threshold, outlines })
     }
 

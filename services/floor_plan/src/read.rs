@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::description::Description;
-use crate::error::{GridError, MapError};
+use crate::error::{CellsError, MapError};
 use crate::grid::UnknownCells;
 use crate::picture;
 use crate::plan::FloorPlan;
@@ -19,7 +19,7 @@ pub fn read(path: &Path, unknown: UnknownCells) -> Result<FloorPlan, MapError> {
     FloorPlan::new(grid, resolution, origin, free, unknown).map_err(|cause| {
         let path = path.to_owned();
         match cause {
-            GridError::NothingFree { cells } => MapError::NothingFree { path, cells, free },
+            CellsError::NothingFree { cells } => MapError::NothingFree { path, cells, free },
             cause => MapError::Grid { path, cause },
         }
     })

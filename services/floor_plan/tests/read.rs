@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use std::path::PathBuf;
 
-use floor_plan::{CellState, FloorPlan, GridError, MOST_CORNERS, MapError, UnknownCells};
+use floor_plan::{CellState, CellsError, FloorPlan, MOST_CORNERS, MapError, UnknownCells};
 use schemas::message::{AxisBox, FreeSpace, Solid};
 use tempfile::TempDir;
 
@@ -282,7 +282,7 @@ fn noise_is_refused() {
     let mut picture = format!("P5\n{side} {side}\n255\n").into_bytes();
     picture.extend((0..side * side).map(|i| if (i / side + i % side) % 2 == 0 { 0 } else { 255 }));
     let (error, message) = refusal(YAML, &picture);
-    let MapError::Grid { cause: GridError::TooManyCorners { has, most }, .. } = error else {
+    let MapError::Grid { cause: CellsError::TooManyCorners { has, most }, .. } = error else {
         panic!("{error}")
     };
     assert_eq!((has, most), (side * side * 2, MOST_CORNERS), "{message}");

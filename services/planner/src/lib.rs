@@ -6,6 +6,7 @@
 //! geometry, recordings or JSON.
 
 mod at_once;
+pub mod command_line;
 mod manager;
 pub mod metrics;
 pub mod options;

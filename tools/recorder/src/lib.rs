@@ -3,6 +3,7 @@
 //! Taking and writing are two threads, so that neither compressing nor a slow disk keeps the tap
 //! waiting: `take` and `store`, with a queue between.
 
+pub mod command_line;
 mod describe;
 mod progress;
 mod settings;

@@ -4,7 +4,6 @@ use std::error::Error;
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
 
-use clap::Parser;
 use program::{Exit, PrintError, warn};
 use recording::{Options, recover};
 
@@ -13,10 +12,10 @@ use crate::findings::Findings;
 use crate::{bless, check, diff, export, extract, info, junit, merge, play, reading, report, show};
 
 /// Runs the command line.
-pub(crate) fn run() -> Result<Exit, Box<dyn Error>> {
+pub(crate) fn run(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {
     let mut findings = Findings::default();
     let mut out = BufWriter::new(io::stdout().lock());
-    let printed = match Arguments::parse().command {
+    let printed = match arguments.command {
         Command::Check(arguments) => {
             findings.strict = arguments.strict.strict;
             let checked = check::run(&arguments, &mut findings)?;

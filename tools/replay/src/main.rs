@@ -1,30 +1,7 @@
 //! The `replay` command; see `replay --help`.
 
-mod arguments;
-mod bless;
-mod changes;
-mod check;
-mod commands;
-mod copying;
-mod diff;
-mod export;
-mod extract;
-mod findings;
-mod html;
-mod info;
-mod junit;
-mod merge;
-mod output;
-mod play;
-mod reading;
-mod report;
-mod running;
-mod show;
-mod tolerances;
-mod units;
-
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    program::main("replay", commands::run)
+    replay::run(&replay::command().get_matches())
 }

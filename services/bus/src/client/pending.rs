@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use iceoryx2::pending_response::PendingResponse;
-use iceoryx2::prelude::{FileDescriptorBased, ipc_threadsafe};
+use iceoryx2::prelude::{FileDescriptorBased, PayloadHeader, ipc_threadsafe};
 use schemas::convert;
 use schemas::message::{Reply, ReplyAssembler, ReplyPart, RequestKey};
 use schemas::wire;
@@ -72,6 +72,11 @@ impl Pending {
                 Ok(Some(part)) => {
                     let header = part.user_header().plain();
                     if self.accept(header) {
+                        // The payload is as long as its sender says, whatever there is.
+                        let claimed = part.header().number_of_elements();
+                        if claimed > wire::PART_CELLS as u64 {
+                            return Err(CallError::LongPart { claimed, most: wire::PART_CELLS });
+                        }
                         self.has_last.set(header.last != 0);
                         return Ok(Some(part));
                     }

@@ -35,7 +35,7 @@ pub(crate) fn free_space_of_cells<'py>(
             let name = space.digest();
             Ok((space, name))
         })
-        .map_err(|error: floor_plan::GridError| PyValueError::new_err(error.to_string()))?;
+        .map_err(|error: floor_plan::CellsError| PyValueError::new_err(error.to_string()))?;
     let FreeSpace { solids, bounds, .. } = space;
     let made = PyDict::new(py);
     made.set_item("named", name.to_string())?;

@@ -31,6 +31,7 @@ class Domain:
         self.name = f"py-{os.getpid()}-{next(COUNT)}"
         self.root = root
         self.planners = []
+        self.liars = []
 
     def start_planner(self, *arguments):
         log = self.root.parent / f"{self.name}-planner-{len(self.planners)}"
@@ -45,6 +46,13 @@ class Domain:
             time.sleep(0.005)
         return planner
 
+    def start_raw_planner(self, lie):
+        """A planner that lies, and leaves what it has made to others."""
+        command = [program("raw-planner"), self.name, lie]
+        liar = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        self.liars.append(liar)
+        assert liar.stdout.readline() == "ready\n"
+
     def plan_local(self, *arguments, stdin=None):
         command = [program("plan"), "--local", "--format", "json", *arguments]
         return subprocess.run(command, input=stdin, capture_output=True, text=True, timeout=300)
@@ -54,6 +62,13 @@ class Domain:
             if planner.poll() is None:
                 planner.send_signal(signal.SIGTERM)
                 assert planner.wait(60) == 0
+        for liar in self.liars:
+            liar.kill()
+            liar.wait()
+            key = f"{liar.pid % 100_000:05}".translate(str.maketrans("0123456789", "abcdefghij"))
+            for path in pathlib.Path("/dev/shm").glob(f"cw_raw{key}_*"):
+                path.unlink()
+            (self.root / f"{self.name}.toml").unlink(missing_ok=True)
         # What killed programs leave is removed by the next that comes; nobody else leaves anything.
         gc.collect()
         left = [path.name for path in self.root.glob("*.toml")] if self.root.exists() else []

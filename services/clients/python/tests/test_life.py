@@ -201,3 +201,19 @@ def test_signals_are_pythons(domain, planner, scene, endless, tmp_path, number, 
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == -number
     assert ended in stderr
+
+
+@pytest.mark.parametrize(
+    ("lie", "kind", "said"),
+    [
+        ("layout", clearway.ConnectError, "another layout of version 2"),
+        ("version", clearway.CallError, "version is 99"),
+        ("truncated", clearway.CallError, "samples needs 900 cells, 9 are left"),
+        ("trailing", clearway.CallError, "9 cells follow"),
+        ("elements", clearway.CallError, "claims 1099511627776 cells"),
+    ],
+)
+def test_a_planner_that_lies_is_an_error(domain, scene, lie, kind, said):
+    domain.start_raw_planner(lie)
+    with pytest.raises(kind, match=said):
+        clearway.Client(domain.name).plan(scene)
