@@ -22,7 +22,7 @@ for pair in "${compilers[@]}"; do
     read -r cc cxx <<<"$pair"
     "$cc" -std=c11 -Wall -Wextra -Wpedantic -Werror -g "$here/examples/plan.c" "${flags[@]}" -o "$folder/c-$cc"
     "$cxx" -std=c++17 -Wall -Wextra -Wpedantic -Werror -g "$here/examples/plan.cpp" "${flags[@]}" -o "$folder/c++-$cc"
-    "$cxx" -std=c++17 -fno-exceptions -Werror -fsyntax-only "$here/examples/plan.cpp" "${flags[@]}"
+    "$cxx" -std=c++17 -fno-exceptions -Werror -fsyntax-only -I"$folder/usr/include" "$here/examples/plan.cpp"
     "$cc" -std=c11 -fsanitize=address,undefined -g "$here/examples/plan.c" "${flags[@]}" -o "$folder/sanitized-c-$cc"
     "$cxx" -std=c++17 -fsanitize=address,undefined -g "$here/examples/plan.cpp" "${flags[@]}" -o "$folder/sanitized-c++-$cc"
 done
@@ -44,6 +44,9 @@ CMAKE
     cmake --build "$folder/cmake/built" >/dev/null
     mv "$folder"/cmake/built/cmake-c "$folder"/cmake/built/cmake-static "$folder"
 fi
+
+"${compilers[-1]%% *}" -std=gnu11 -Wall -Wextra -Werror -fsanitize=address,undefined -g "$here/tests/life.c" \
+    "${flags[@]}" -lpthread -o "$folder/life"
 
 fail() { echo "check.sh: $*" >&2; exit 1; }
 export CLEARWAY_JSON=1
@@ -75,6 +78,52 @@ for program in "$folder"/c-gcc "$folder"/c++-gcc; do
     "$program" "$folder/bad.json" check 2>"$folder/said" && fail "$program takes a bad scene"
     grep -q "invalid_scene" "$folder/said" || fail "$program: $(cat "$folder/said")"
 done
+kill "$planner"
+wait "$planner" 2>/dev/null || true
+
+# Threads, forks, two processes; planners and clients that are killed.
+serve() {
+    "$programs/planner" --domain check --unsupervised 2>"$folder/planner.log" &
+    planner=$!
+    for _ in $(seq 500); do grep -q ready "$folder/planner.log" && return; sleep 0.02; done
+    fail "the planner does not start: $(cat "$folder/planner.log")"
+}
+clients() { "$programs/plan" --list --format json | sed -n 's/.*"domain":"check".*"clients":\([0-9]*\).*/\1/p'; }
+awk 'BEGIN {
+    printf "{\"task\":\"drive\",\"start\":{\"position\":[0.75,0.75],\"heading\":0},\"goal\":{\"position\":[150.25,150.25]},"
+    printf "\"body\":{\"footprint\":{\"width\":0.4,\"length\":0.6}},\"free_space\":{\"bounds\":{\"min\":[0,0],\"max\":[151,151]},\"solids\":["
+    for (i = 0; i < 2500; i++) { x = 3 * int(i / 50) + 1.5; y = 3 * (i % 50) + 1.5
+        printf "%s{\"box\":{\"min\":[%g,%g],\"max\":[%g,%g]}}", i ? "," : "", x, y, x + 1, y + 1 }
+    printf "]},\"clearance\":{\"each\":["
+    for (i = 0; i < 9999; i++) printf "%s%.6f", i ? "," : "", 0.1 + i * 1e-6
+    printf "]}}" }' >"$folder/endless.json"
+life() { "$folder/life" "$1" check "$scenes/drive-a.json" "$folder/endless.json"; }
+serve
+life threads || fail "threads"
+life forks || fail "forks"
+life threads & first=$!
+life threads || fail "two processes"
+wait "$first" || fail "two processes"
+
+coproc client { exec "$folder/life" hangs check "$scenes/drive-a.json" "$folder/endless.json"; }
+hangs=$client_PID
+read -r _ <&"${client[0]}"
+kill -9 "$hangs"
+wait "$hangs" 2>/dev/null || true
+for _ in $(seq 300); do [ "$(clients)" != 0 ] || break; sleep 0.1; done
+[ "$(clients)" = 0 ] || fail "a client that was killed is still there: $(clients)"
+life forks || fail "after a client was killed"
+
+coproc client { exec "$folder/life" killed check "$scenes/drive-a.json" "$folder/endless.json"; }
+waits=$client_PID
+exec {from}<&"${client[0]}" {to}>&"${client[1]}"
+read -r _ <&"$from"
+kill -9 "$planner"
+wait "$planner" 2>/dev/null || true
+read -r _ <&"$from" || fail "a killed planner"
+serve
+echo >&"$to"
+wait "$waits" || fail "after a killed planner"
 kill "$planner"
 wait "$planner" 2>/dev/null || true
 
