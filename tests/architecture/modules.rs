@@ -14,7 +14,7 @@ const PLANNING: [&[&str]; 9] = [
     &["clearance"],
     &["disassembly", "driving"],
     &["route"],
-    &["any_angle"],
+    &["any_angle", "translation"],
     &["trajectory"],
 ];
 

@@ -11,13 +11,14 @@ use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::route::{BodyMover, Mover, Router};
 use planning::trajectory::{Profile, Stops};
+use planning::translation::{self, Cavity, NoWay, Part};
 use schemas::convert::{PartSink, TrajectoryWriter};
 use schemas::message::{self, Gap, Refusal, Task};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
 use crate::check;
-use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Source};
+use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Outlines, Source};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, Axes, PLANE, Refused, SPACE};
 use crate::scene::Scene;
@@ -53,8 +54,19 @@ struct Terms<'a, const D: usize> {
     scene: Scene<'a>,
     axes: Axes,
     body: Body<'a, D>,
+    /// What finds a way without channels, if anything does.
+    slide: Option<Slide<D>>,
     pace: Pace,
 }
+
+/// Finds a way between outlines that leads out along an exit.
+type Slide<const D: usize> = fn(
+    &Body<'_, D>,
+    &Outlines<D>,
+    Direction,
+    translation::Wish<D>,
+    &Budget<'_>,
+) -> Result<Vec<Vector<D>>, NoWay<D>>;
 
 /// So many directions lead out of a part in three dimensions.
 const MOST_EXITS: usize = 6;
@@ -106,9 +118,10 @@ impl Assembly<2> {
             }
             message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
         };
-        let terms = Terms::new(scene, PLANE, body, wishes)?;
+        let terms = Terms::new(scene, PLANE, (body, Some(slide)), wishes)?;
         let size = body.bounds().size();
-        let source = Source::read(scene, &PLANE, size.as_slice(), buffers, &mut resources)?;
+        let shape = (size.as_slice(), body.is_box());
+        let source = Source::read(scene, &PLANE, shape, buffers, &mut resources)?;
         let budget = resources.budget;
         let mut ways = [const { None }; MOST_EXITS];
         let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);
@@ -139,9 +152,10 @@ impl Assembly<3> {
             message::Body::Polygon(_) => return Err(check::flat("body.polygon".to_owned()).into()),
             message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
         };
-        let terms = Terms::new(scene, SPACE, body, wishes)?;
+        let terms = Terms::new(scene, SPACE, (body, None), wishes)?;
         let size: Vector<3> = body.bounds().size();
-        let source = Source::read(scene, &SPACE, size.as_slice(), buffers, &mut resources)?;
+        let shape = (size.as_slice(), body.is_box());
+        let source = Source::read(scene, &SPACE, shape, buffers, &mut resources)?;
         let budget = resources.budget;
         let mut ways = [const { None }; MOST_EXITS];
         let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);
@@ -166,10 +180,10 @@ impl<'a, const D: usize> Terms<'a, D> {
     fn new(
         scene: Scene<'a>,
         axes: Axes,
-        body: Body<'a, D>,
+        (body, slide): (Body<'a, D>, Option<Slide<D>>),
         wishes: &Wishes<'_>,
     ) -> Result<Self, Refusal> {
-        Ok(Self { scene, axes, body, pace: Pace::of(scene, wishes, Stops::EveryLeg)? })
+        Ok(Self { scene, axes, body, slide, pace: Pace::of(scene, wishes, Stops::EveryLeg)? })
     }
 
     /// The free space for a way out. Whatever is refused, no gap would help.
@@ -237,7 +251,9 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             let up = terms.axes[..D].iter().position(|axis| *axis == 2).unwrap_or(0);
             add(Direction { axis: up, sign: Sign::Positive }, None);
         }
-        if let [Some(only), None, ..] = ways {
+        if let [Some(only), None, ..] = ways
+            && !matches!(source, Source::Outlines(_))
+        {
             only.space = Some(terms.open(only.exit, source, Explain::Fully, resources)?);
         }
         Ok(())
@@ -246,10 +262,8 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
     /// Finds the path of an answer. Where there are several ways out, it is the shortest.
     fn find(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         let mut best: Option<(f64, usize)> = None;
-        let mut first_refused = 0;
         let count = self.ways.iter().flatten().count();
         if count > 1 {
-            first_refused = count;
             for at in 0..count {
                 match self.find_by(at, wish, Explain::No) {
                     Ok(()) => {
@@ -261,7 +275,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                     }
                     Err(refused) if refused.is_final() => return Err(refused),
                     // Ignored if another exit works.
-                    Err(_) => first_refused = first_refused.min(at),
+                    Err(_) => {}
                 }
             }
         }
@@ -270,8 +284,19 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             self.chosen = at;
             return Ok(());
         }
-        self.chosen = first_refused;
-        self.find_by(first_refused, wish, Explain::Fully)
+        // The first that is refused says why, unless a part that fits exactly gets out elsewhere.
+        let mut first: Option<Refused> = None;
+        for at in 0..count {
+            self.chosen = at;
+            match self.find_by(at, wish, Explain::Fully) {
+                Err(refused) if refused.is_final() || !refused.is_for_rounding() => {
+                    return Err(first.unwrap_or(refused));
+                }
+                Err(refused) => first = first.or(Some(refused)),
+                Ok(()) => return Ok(()),
+            }
+        }
+        first.map_or(Ok(()), Err)
     }
 
     /// The channels made for the answer planned last.
@@ -280,8 +305,103 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         way.and_then(|way| way.space.as_ref()).map_or(&[], FreeSpace::made)
     }
 
-    /// Finds the path to one way out, and its clearance.
+    /// Finds the path to one way out, and its clearance: through channels, or between the solids'
+    /// outlines where there are none, or where channels are too narrow for a part that fits
+    /// exactly.
     fn find_by(&mut self, at: usize, wish: &Wish<'_>, explain: Explain) -> Result<(), Refused> {
+        let outlines = match (self.terms.slide, self.source.outlines()) {
+            (Some(slide), Some(outlines)) => Some((slide, outlines)),
+            _ => None,
+        };
+        let Some((slide, outlines)) = outlines else {
+            return self.find_through(at, wish, explain);
+        };
+        if matches!(self.source, Source::Outlines(_)) {
+            return self.slide_out(at, wish, (slide, &outlines));
+        }
+        let found = self.find_through(at, wish, explain);
+        match &found {
+            Err(refused) if refused.is_for_rounding() => {
+                match self.slide_out(at, wish, (slide, &outlines)) {
+                    Err(error) if !error.is_final() => found,
+                    slid => slid,
+                }
+            }
+            Ok(()) if matches!(wish.gaps, Gaps::Fraction(1.0)) => {
+                self.look_for_more_room(at, wish, (slide, &outlines))
+            }
+            _ => found,
+        }
+    }
+
+    /// The safest path through channels may be none of the safest of all: then finds that.
+    fn look_for_more_room(
+        &mut self,
+        at: usize,
+        wish: &Wish<'_>,
+        (slide, outlines): (Slide<D>, &Outlines<D>),
+    ) -> Result<(), Refused> {
+        let Self { terms, ways, memory, resources, .. } = self;
+        let (Some(way), Some(known)) = (&ways[at], memory.course.room()) else { return Ok(()) };
+        let more = translation::Wish::MoreThan(known.1);
+        match slide(&terms.body, outlines, way.exit, more, resources.budget) {
+            Ok(_) => {}
+            Err(NoWay::Spent(spent)) => return Err(spent.into()),
+            Err(_) => return Ok(()),
+        }
+        self.slide_out(at, wish, (slide, outlines))?;
+        if self.memory.course.room().is_none_or(|found| found > known) {
+            return Ok(());
+        }
+        self.find_through(at, wish, Explain::No)
+    }
+
+    /// Finds the path to one way out between the solids' outlines, and its clearance.
+    fn slide_out(
+        &mut self,
+        at: usize,
+        wish: &Wish<'_>,
+        (slide, outlines): (Slide<D>, &Outlines<D>),
+    ) -> Result<(), Refused> {
+        let Self { terms, ways, memory, resources, .. } = self;
+        let Memory { gaps, course, .. } = &mut **memory;
+        let Terms { axes, body, .. } = &*terms;
+        let Some(WayOut { exit, .. }) = &ways[at] else { return Ok(()) };
+        let budget = resources.budget;
+        let asked = match (wish.gaps, gap_of(wish, gaps, budget)) {
+            (Gaps::AtLeast(clearance), _) => {
+                check::gap(&wish.field(), clearance)?;
+                translation::Wish::AtLeast(clearance)
+            }
+            (_, gap) => match gap? {
+                disassembly::Gap::Uniform(gap) => translation::Wish::Gap(Vector::repeat(gap)),
+                disassembly::Gap::PerAxis(gap) => translation::Wish::Gap(gap),
+                disassembly::Gap::Fraction(part) => translation::Wish::Part(part),
+                disassembly::Gap::Safest => translation::Wish::Part(1.0),
+                disassembly::Gap::PerJunction(gaps) => {
+                    return Err(refuse::no_junctions(wish.field(), gaps.len()).into());
+                }
+            },
+        };
+        if let translation::Wish::Gap(gap) = asked {
+            for value in gap.iter() {
+                check::gap(&wish.field(), *value)?;
+            }
+        }
+        let way = slide(body, outlines, *exit, asked, budget)
+            .map_err(|error| refuse::no_way(axes, wish.field(), asked, error))?;
+        course.take(&way);
+        course.measure(body, outlines.walls(), budget)?;
+        Ok(())
+    }
+
+    /// Finds the path to one way out through channels, and its clearance.
+    fn find_through(
+        &mut self,
+        at: usize,
+        wish: &Wish<'_>,
+        explain: Explain,
+    ) -> Result<(), Refused> {
         let Self { terms, source, ways, memory, resources, .. } = self;
         let Memory { complement, router, gaps, course, .. } = &mut **memory;
         let Terms { axes, body, .. } = &*terms;
@@ -374,6 +494,20 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
         };
         parts.trajectory(fill, lists, last)
     }
+}
+
+/// Finds a way in the plane.
+fn slide(
+    body: &Body<'_, 2>,
+    outlines: &Outlines<2>,
+    exit: Direction,
+    wish: translation::Wish<2>,
+    budget: &Budget<'_>,
+) -> Result<Vec<Vector<2>>, NoWay<2>> {
+    let part = Part::new(body, budget)?;
+    let Some(bounds) = outlines.bounds() else { return Err(NoWay::Closed(None)) };
+    let cavity = Cavity { part: &part, walls: outlines.walls(), bounds, exit };
+    cavity.plan(wish, budget)
 }
 
 /// The gap that is wished for; a gap per junction in `memory`.

@@ -8,6 +8,7 @@ mod driving;
 mod refused;
 mod route;
 mod scene;
+mod translation;
 mod words;
 
 pub(crate) use anywhere::{gap_per_junction, in_solid, no_motion, out_of_bounds};
@@ -18,4 +19,5 @@ pub(crate) use driving::{driving, less_gap};
 pub(crate) use refused::Refused;
 pub(crate) use route::{no_mouth, route};
 pub(crate) use scene::{axis_box, limit, sampling};
+pub(crate) use translation::{no_junctions, no_way};
 pub(crate) use words::{Axes, FLOOR, PLANE, SPACE};

@@ -176,40 +176,6 @@ fn body_in_a_solid_is_told() {
 }
 
 #[test]
-fn body_that_just_fills_its_place_is_told() {
-    let scene = disassemble(5., "", UP, [4., 1.], [7., 4.]);
-    let numbers = (Some(0), Some(0), Some(3.0), Some(3.0));
-    let message = "no route: the passage from (x 4, z 1) to (x 7, z 6) is 3 m wide along x, but \
-                   must be wider than 3 m";
-    check(&scene, ErrorCode::NoRoute, numbers, message);
-}
-
-#[test]
-fn body_without_room_anywhere_is_told() {
-    // A slit as wide as the body, which stands at its mouth.
-    let solids = [solid([0., 0.], [4., 4.]), solid([5., 0.], [8., 4.])];
-    let scene = format!(
-        r#"{{"task": "disassemble", "free_space": {{"solids": [{}],
-        "bounds": {{"min": [0, 0], "max": [8, 4]}}}},
-        "body": {{"box": {{"min": [4, 2.5], "max": [5, 4]}}}}, "clearance": "safest"}}"#,
-        solids.join(", ")
-    );
-    let message = "no route: the passage from (x 4, z 0) to (x 5, z 4) is 1 m wide along x, but \
-                   must be wider than 1 m";
-    let numbers = (Some(0), Some(0), Some(1.0), Some(1.0));
-    check(&scene, ErrorCode::NoRoute, numbers, message);
-    // On a floor of its own height: there would be room beyond the mouth alone.
-    let scene = r#"{"task": "disassemble", "free_space": {"solids": [
-        {"box": {"min": [0, -1], "max": [8, 2.5]}}], "bounds": {"min": [0, 0], "max": [8, 4]}},
-        "body": {"box": {"min": [4, 2.5], "max": [5, 4]}}, "clearance": "safest"}"#;
-    let message = "no route: the free space has no channel larger than the body; the widest place \
-                   from (x 0, z 2.5) to (x 8, z 4) is 1.5 m wide along z, but must be wider than \
-                   1.5 m";
-    let numbers = (None, Some(2), Some(1.5), Some(1.5));
-    check(scene, ErrorCode::NoRoute, numbers, message);
-}
-
-#[test]
 fn narrow_place_within_a_part_is_named() {
     let scene = disassemble(5., "", UP, ROOM, [6.75, 5.5]);
     let numbers = (Some(0), Some(2), Some(4.25), Some(4.0));

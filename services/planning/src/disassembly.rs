@@ -146,6 +146,19 @@ impl<const D: usize> DisassemblyPath<D> {
         self.length
     }
 
+    /// The path through these displacements, the first of which is where it begins, found without
+    /// rules.
+    pub fn set_way(&mut self, way: &[Vector<D>]) {
+        self.limits.clear();
+        self.gaps.clear();
+        self.legs.clear();
+        self.legs.extend(way.windows(2).map(|ends| {
+            let curve = Curve::translation(ends[0], ends[1]);
+            Leg { curve, junction: None, rule: None, rung: None }
+        }));
+        self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
+    }
+
     /// Turns disassembly into assembly and back: the same way-points in reverse
     /// order, bit for bit. Rule and junction stay with their leg.
     pub fn reverse(&mut self) {

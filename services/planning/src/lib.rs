@@ -13,6 +13,7 @@
 //! | [`driving`] | Table 2 ([`driving::rules::TABLE_2`]): a robot through corridors | section 5 |
 //! | [`route`] | the order in which to travel channels | |
 //! | [`any_angle`] | a robot among walls at any angle | |
+//! | [`translation`] | a part of any shape among solids of any shape | |
 //! | [`trajectory`] | speeds, and states sampled over time | |
 //!
 //! Each module knows only those above it.
@@ -39,3 +40,4 @@ pub mod route;
 #[cfg(test)]
 pub(crate) mod section_4;
 pub mod trajectory;
+pub mod translation;

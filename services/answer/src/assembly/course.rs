@@ -6,7 +6,7 @@ use planning::clearance::translating::{Body, clearance_body_legs};
 use planning::disassembly::{DisassemblyError, DisassemblyPath, Gap, disassemble};
 use planning::free_space::walls::Walls;
 use planning::free_space::{Chain, ChainError, End, Mouth};
-use planning::geometry::{AxisBox, Direction, HalfSpace};
+use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
 use planning::motion::Curve;
 
 /// The channels travelled, the path through them, and how close it comes to the walls.
@@ -80,6 +80,13 @@ impl<const D: usize> Course<D> {
         self.chain.build(&self.travelled, &body.bounds().center(), End::Exit(exit), budget)
     }
 
+    /// Takes a way that leads through no channels.
+    pub(super) fn take(&mut self, way: &[Vector<D>]) {
+        self.all_to = None;
+        self.route.clear();
+        self.path.set_way(way);
+    }
+
     /// Puts the mouth into the last channel.
     pub(super) fn set_mouth(&mut self, mouth: HalfSpace) {
         self.chain.set_mouth(mouth);
@@ -134,6 +141,15 @@ impl<const D: usize> Course<D> {
             }
         }
         solids.is_free(&body.bounds().translated(&to), budget)
+    }
+
+    /// The least clearance of all, and that of the legs after the first, which begins where the
+    /// body is; `None` where there are no walls.
+    pub(super) fn room(&self) -> Option<(f64, f64)> {
+        let whole = self.clearance?.value;
+        let later = self.clearances.get(1..).unwrap_or_default().iter();
+        let later = later.map(|near| near.value).reduce(f64::min);
+        Some((whole, later.unwrap_or(whole)))
     }
 
     /// Turns the path round. What was measured on the way out is exact in every number.

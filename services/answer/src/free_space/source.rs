@@ -5,7 +5,7 @@ use std::sync::Arc;
 use planning::budget::Budget;
 use planning::free_space::graph::Graph;
 use planning::free_space::solids::Solids;
-use planning::free_space::walls::{Complement, Walls};
+use planning::free_space::walls::{Complement, Wall, Walls};
 use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
 use schemas::message::{self, Refusal, Solid};
 
@@ -52,22 +52,54 @@ pub(crate) enum Source<'a, const D: usize> {
     Channels(FreeSpace<'a, D>),
     /// Solids to make channels from.
     Solids(Cut<'a, D>),
+    /// Solids by their surfaces alone.
+    Outlines(Outlines<D>),
+}
+
+/// Solids by their surfaces.
+#[derive(Debug, Clone)]
+pub(crate) struct Outlines<const D: usize> {
+    pub(super) walls: Arc<Entry<Walls<D>>>,
+    /// As the request gives them.
+    bounds: Option<AxisBox<D>>,
+}
+
+impl<const D: usize> Outlines<D> {
+    pub(crate) fn walls(&self) -> &Walls<D> {
+        &self.walls
+    }
+
+    /// Within what a body is to stay until it is out: the bounds that the request gives, or those
+    /// of the solids.
+    pub(crate) fn bounds(&self) -> Option<AxisBox<D>> {
+        self.bounds.or_else(|| self.walls.bounds())
+    }
 }
 
 impl<'a, const D: usize> Source<'a, D> {
     /// Where the solids end along an exit, if channels are made within their own bounds.
     pub(crate) fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
         match self {
-            Self::Channels(_) => None,
+            Self::Channels(_) | Self::Outlines(_) => None,
             Self::Solids(cut) => cut.mouth(exit),
         }
     }
 
-    /// Reads the scene's channels, solids and bounds for a body of this size (metres).
+    /// The solids by their surfaces, if channels are not given.
+    pub(crate) fn outlines(&self) -> Option<Outlines<D>> {
+        match self {
+            Self::Channels(_) => None,
+            Self::Solids(cut) => Some(Outlines { walls: cut.walls.clone(), bounds: cut.bounds }),
+            Self::Outlines(outlines) => Some(outlines.clone()),
+        }
+    }
+
+    /// Reads the scene's channels, solids and bounds for a body of this size (metres). Unless it is
+    /// a box, and the solids have no slanted sides, there is no use in channels among them.
     pub(crate) fn read(
         scene: Scene<'_>,
         axes: &Axes,
-        size: &[f64],
+        (size, is_box): (&[f64], bool),
         buffers: &'a mut Buffers<D>,
         resources: &mut Resources<'_>,
     ) -> Result<Self, Refused>
@@ -81,6 +113,9 @@ impl<'a, const D: usize> Source<'a, D> {
         }
         let Buffers { solids, made, outline, .. } = buffers;
         let walls = surfaces(scene, axes, None, outline, resources)?;
+        if !is_box || !walls.as_slice().iter().all(Wall::is_axis_parallel) {
+            return Ok(Self::Outlines(Outlines { walls, bounds }));
+        }
         solids.clear();
         let tolerance = SLANT * size.iter().copied().fold(f64::INFINITY, f64::min);
         let budget = resources.budget;
@@ -98,6 +133,7 @@ impl<'a, const D: usize> Source<'a, D> {
     ) -> Result<FreeSpace<'a, D>, Refused> {
         match self {
             Self::Channels(space) => Ok(space.clone()),
+            Self::Outlines(outlines) => Ok(FreeSpace::Outlines(outlines.clone())),
             Self::Solids(cut) => {
                 let bounds = within(cut)?;
                 cut.make(bounds, room, resources).map(FreeSpace::Made)

@@ -13,6 +13,7 @@ use crate::entries::Entry;
 use crate::refuse::Refused;
 
 use super::made::Made;
+use super::source::Outlines;
 
 /// Where a body can move. What took long to make belongs to the cache, and is held while the
 /// request lasts.
@@ -24,6 +25,8 @@ pub(crate) enum FreeSpace<'a, const D: usize> {
     Unordered(Arc<Entry<Graph<D>>>, Around<D>),
     /// Channels made from the request's solids, and which of them meet.
     Made(Made<D>),
+    /// Without channels: what the request's solids leave.
+    Outlines(Outlines<D>),
 }
 
 /// What clearance is measured against where the request gives channels.
@@ -43,13 +46,14 @@ impl<const D: usize> FreeSpace<'_, D> {
             Self::InOrder(channels, _) => channels,
             Self::Unordered(graph, _) => graph.channels(),
             Self::Made(made) => made.graph().channels(),
+            Self::Outlines(_) => &[],
         }
     }
 
     /// Which channels meet, unless their order is given.
     pub(crate) fn graph(&self) -> Option<&Arc<Entry<Graph<D>>>> {
         match self {
-            Self::InOrder(..) => None,
+            Self::InOrder(..) | Self::Outlines(_) => None,
             Self::Unordered(graph, _) => Some(graph),
             Self::Made(made) => Some(made.graph()),
         }
@@ -61,7 +65,7 @@ impl<const D: usize> FreeSpace<'_, D> {
             Self::InOrder(_, around) | Self::Unordered(_, around) => {
                 matches!(around, Around::Solids(_))
             }
-            Self::Made(_) => true,
+            Self::Made(_) | Self::Outlines(_) => true,
         }
     }
 
@@ -76,6 +80,7 @@ impl<const D: usize> FreeSpace<'_, D> {
             Self::InOrder(channels, around) => (*channels, around),
             Self::Unordered(graph, around) => (graph.channels(), around),
             Self::Made(made) => return Ok(made.walls()),
+            Self::Outlines(outlines) => return Ok(&outlines.walls),
         };
         let last = match around {
             Around::Solids(walls) => return Ok(walls),
@@ -92,7 +97,7 @@ impl<const D: usize> FreeSpace<'_, D> {
     /// The channels that were made from solids.
     pub(crate) fn made(&self) -> &[AxisBox<D>] {
         match self {
-            Self::InOrder(..) | Self::Unordered(..) => &[],
+            Self::InOrder(..) | Self::Unordered(..) | Self::Outlines(_) => &[],
             Self::Made(made) => made.graph().channels(),
         }
     }

@@ -1,10 +1,13 @@
 //! A refusal, and how much of the request it refuses.
 
 use planning::budget::Spent;
-use schemas::message::Refusal;
+use schemas::message::{ErrorCode, Refusal};
 
 use super::cost;
 use crate::stop::StopFlag;
+
+/// What is missing counts as rounding up to this part of what is needed.
+const ROUNDING: f64 = 1e-8;
 
 /// Why an answer is refused, and how much of the request with it.
 #[derive(Debug)]
@@ -51,6 +54,23 @@ impl Refused {
     /// Whether nothing is left for the answers that follow.
     pub(crate) fn is_final(&self) -> bool {
         matches!(self, Self::Spent(spent) if cost::is_final(spent))
+    }
+
+    /// Whether all that is missing is less than rounding: a part may fit exactly.
+    pub(crate) fn is_for_rounding(&self) -> bool {
+        let (Self::Answer(refusal) | Self::Request(refusal)) = self else { return false };
+        let Refusal { code, needs, has, .. } = refusal;
+        let (needs, has) = match code {
+            ErrorCode::NoRoute | ErrorCode::JunctionTooSmall => (*needs, *has),
+            // It reaches so deep into a solid.
+            ErrorCode::BodyOutsideFreeSpace if needs.is_none() => (*has, Some(0.0)),
+            ErrorCode::BodyOutsideFreeSpace => (*needs, *has),
+            _ => return false,
+        };
+        match (needs, has) {
+            (Some(needs), Some(has)) => (needs - has).abs() <= ROUNDING * needs.abs().max(1e-3),
+            _ => false,
+        }
     }
 
     /// What the reply says. `stop` knows why a request was stopped.

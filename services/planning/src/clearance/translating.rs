@@ -38,8 +38,13 @@ impl<const D: usize> Body<'_, D> {
         &self.bounds
     }
 
+    /// Whether it fills its bounds.
+    pub fn is_box(&self) -> bool {
+        self.outline.is_empty()
+    }
+
     /// A point on its boundary.
-    fn point(&self) -> Vector<D> {
+    pub(crate) fn point(&self) -> Vector<D> {
         let mut point = self.bounds.min();
         if let Some(vertex) = self.outline.first() {
             (point[0], point[1]) = (vertex[0], vertex[1]);
@@ -55,6 +60,11 @@ impl<const D: usize> Body<'_, D> {
 }
 
 impl<'a> Body<'a, 2> {
+    /// Its vertices, in order.
+    pub fn outline(&self) -> Vec<Vector<2>> {
+        if self.is_box() { self.corners().to_vec() } else { self.outline.to_vec() }
+    }
+
     /// A polygon, convex or not. An axis-parallel rectangle is taken as a box.
     pub fn from_polygon(body: &'a Polygon) -> Self {
         let outline = if body.is_axis_box() { &[][..] } else { body.vertices() };

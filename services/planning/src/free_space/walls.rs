@@ -235,6 +235,22 @@ impl<const D: usize> Walls<D> {
         Ok(None)
     }
 
+    /// The solid to which a wall belongs, counted in the order of addition.
+    pub fn solid_of(&self, wall: usize) -> Option<usize> {
+        let after = self.solids.partition_point(|solid| solid.walls.0 <= wall);
+        after.checked_sub(1).filter(|solid| {
+            let (first, count) = self.solids[*solid].walls;
+            wall < first + count
+        })
+    }
+
+    /// The smallest box around all walls; `None` without any.
+    pub fn bounds(&self) -> Option<AxisBox<D>> {
+        let corners = self.walls.iter().map(Wall::bounds);
+        let (min, max) = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))?;
+        AxisBox::new(min, max).ok()
+    }
+
     /// Whether the interior of `space` is free: no wall passes through it, and it is not
     /// inside a solid. It may touch walls, to within rounding (some 1e-14 of the coordinates).
     pub fn is_free(&self, space: &AxisBox<D>, budget: &Budget<'_>) -> Result<bool, Spent> {
