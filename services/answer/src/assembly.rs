@@ -5,7 +5,7 @@ use std::mem;
 
 use planning::budget::Budget;
 use planning::clearance::translating::Body;
-use planning::disassembly;
+use planning::disassembly::{self, DisassemblyError};
 use planning::free_space::End;
 use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
@@ -67,6 +67,9 @@ type Slide<const D: usize> = fn(
     translation::Wish<D>,
     &Budget<'_>,
 ) -> Result<Vec<Vector<D>>, NoWay<D>>;
+
+/// A part that is too wide by no more than twice this part of its greatest coordinate fits exactly.
+const CONTACT: f64 = 1e-9;
 
 /// So many directions lead out of a part in three dimensions.
 const MOST_EXITS: usize = 6;
@@ -186,27 +189,28 @@ impl<'a, const D: usize> Terms<'a, D> {
         Ok(Self { scene, axes, body, slide, pace: Pace::of(scene, wishes, Stops::EveryLeg)? })
     }
 
-    /// The free space for a way out. Whatever is refused, no gap would help.
+    /// The free space for a way out, for a body of these bounds. Whatever is refused, no gap would
+    /// help.
     fn open(
         &self,
-        exit: Direction,
+        (exit, bounds): (Direction, &AxisBox<D>),
         source: &mut Source<'a, D>,
         explain: Explain,
         resources: &mut Resources<'_>,
     ) -> Result<FreeSpace<'a, D>, Refused> {
-        let Self { axes, body, .. } = self;
+        let axes = &self.axes;
         let cavity = |cut: &Cut<'a, D>| {
-            cut.cavity(body.bounds(), exit).ok_or_else(|| {
+            cut.cavity(bounds, exit).ok_or_else(|| {
                 let message = "free_space.solids enclose no cavity";
                 Refusal::invalid("free_space.solids", message)
             })
         };
-        let space = source.open(cavity, body.bounds().size(), resources).map_err(Refused::whole)?;
+        let space = source.open(cavity, bounds.size(), resources).map_err(Refused::whole)?;
         let (Source::Solids(cut), FreeSpace::Made(made)) = (source, &space) else {
             return Ok(space);
         };
         if let Err(refusal) = check::mouth(axes, space.channels(), made.bounds(), exit) {
-            let mover = BodyMover::new(body.bounds(), disassembly::Gap::Safest, End::Exit(exit));
+            let mover = BodyMover::new(bounds, disassembly::Gap::Safest, End::Exit(exit));
             return Err(match mover {
                 Ok(mover) if explain == Explain::Fully => {
                     cut.refuse_mouth(made, axes, refusal, mover.traveller(), resources)
@@ -254,7 +258,12 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         if let [Some(only), None, ..] = ways
             && !matches!(source, Source::Outlines(_))
         {
-            only.space = Some(terms.open(only.exit, source, Explain::Fully, resources)?);
+            let whole = (only.exit, terms.body.bounds());
+            // A part that fits exactly may find no channel; that is told later.
+            match terms.open(whole, source, Explain::Fully, resources) {
+                Err(refused) if refused.is_for_rounding() => {}
+                opened => only.space = Some(opened?),
+            }
         }
         Ok(())
     }
@@ -314,12 +323,18 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             _ => None,
         };
         let Some((slide, outlines)) = outlines else {
-            return self.find_through(at, wish, explain);
+            let found = self.find_through((at, None), wish, explain);
+            return match found {
+                Err(refused) if refused.is_for_rounding() => self
+                    .fit_through(at, wish)
+                    .or_else(|error| Err(if error.is_final() { error } else { refused })),
+                found => found,
+            };
         };
         if matches!(self.source, Source::Outlines(_)) {
             return self.slide_out(at, wish, (slide, &outlines));
         }
-        let found = self.find_through(at, wish, explain);
+        let found = self.find_through((at, None), wish, explain);
         match &found {
             Err(refused) if refused.is_for_rounding() => {
                 match self.slide_out(at, wish, (slide, &outlines)) {
@@ -353,7 +368,21 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         if self.memory.course.room().is_none_or(|found| found > known) {
             return Ok(());
         }
-        self.find_through(at, wish, Explain::No)
+        self.find_through((at, None), wish, Explain::No)
+    }
+
+    /// Finds the path of a part that fits exactly: through channels for one that is narrower by
+    /// rounding.
+    fn fit_through(&mut self, at: usize, wish: &Wish<'_>) -> Result<(), Refused> {
+        let bounds = self.terms.body.bounds();
+        let (min, max) = (bounds.min(), bounds.max());
+        let play = Vector::repeat(CONTACT * min.amax().max(max.amax()));
+        let Ok(narrower) = AxisBox::new(min + play, max - play) else { return Ok(()) };
+        let found = self.find_through((at, Some(narrower)), wish, Explain::No);
+        if let (Err(_), Some(way)) = (&found, &mut self.ways[at]) {
+            way.space = None;
+        }
+        found
     }
 
     /// Finds the path to one way out between the solids' outlines, and its clearance.
@@ -395,10 +424,11 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         Ok(())
     }
 
-    /// Finds the path to one way out through channels, and its clearance.
+    /// Finds the path to one way out through channels, and its clearance: for the part, or for one
+    /// that is narrower than it.
     fn find_through(
         &mut self,
-        at: usize,
+        (at, narrower): (usize, Option<AxisBox<D>>),
         wish: &Wish<'_>,
         explain: Explain,
     ) -> Result<(), Refused> {
@@ -407,9 +437,10 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         let Terms { axes, body, .. } = &*terms;
         let Some(WayOut { exit, mouth, space, .. }) = &mut ways[at] else { return Ok(()) };
         let exit = *exit;
-        let space = match space {
-            Some(space) => space,
-            none => none.insert(terms.open(exit, source, explain, resources)?),
+        let bounds = narrower.as_ref().unwrap_or(body.bounds());
+        let space = match (space, narrower) {
+            (Some(space), None) => space,
+            (other, _) => other.insert(terms.open((exit, bounds), source, explain, resources)?),
         };
         let budget = resources.budget;
         let gap = gap_of(wish, gaps, budget)?;
@@ -418,7 +449,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 .follow_all(space.channels(), body, exit, budget)
                 .map_err(|error| refuse::chain(axes, error).whole())?,
             Some(graph) => {
-                let mut mover = BodyMover::new(body.bounds(), gap, End::Exit(exit))
+                let mut mover = BodyMover::new(bounds, gap, End::Exit(exit))
                     .map_err(|error| refuse::route(axes, wish.field(), error))?;
                 if let Err(error) = router.find(graph, &mut mover, budget) {
                     let error = (wish.field(), error);
@@ -440,9 +471,12 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         // All other walls are the channels' own sides.
         let (has_solids, is_made) = (space.has_solids(), !space.made().is_empty());
         let walls = space.walls(course.mouth(0.0), complement, resources)?;
-        course
-            .disassemble(body, gap, budget)
-            .map_err(|error| refuse::disassembly(axes, wish.field(), error))?;
+        let mut found = course.disassemble(body.bounds(), gap, budget);
+        if let (Err(DisassemblyError::JunctionTooSmall { .. }), Some(narrower)) = (found, narrower)
+        {
+            found = course.disassemble(&narrower, gap, budget);
+        }
+        found.map_err(|error| refuse::disassembly(axes, wish.field(), error))?;
         match course.measure(body, walls, budget)? {
             Some(near)
                 if near.value <= 0.0

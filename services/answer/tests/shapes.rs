@@ -104,3 +104,25 @@ fn gap_that_a_way_can_not_keep_is_refused_with_what_it_can() {
     assert_eq!(refusal.code, ErrorCode::GapOutOfRange);
     assert!((refusal.most.unwrap() - 0.25).abs() < 1e-9, "{}", refusal.message);
 }
+
+#[test]
+fn drawer_without_play_slides_out() {
+    let sides = [
+        ([0, 0, 0], [6, 6, 1]),
+        ([0, 0, 5], [6, 6, 6]),
+        ([0, 0, 1], [1, 6, 5]),
+        ([1, 0, 1], [6, 1, 5]),
+        ([1, 5, 1], [6, 6, 5]),
+    ];
+    let sides = sides.map(|(a, b)| format!(r#"{{"box": {{"min": {a:?}, "max": {b:?}}}}}"#));
+    for clearance in [r#""safest""#, r#"{"gap": 0.1}"#] {
+        let found = plan(&format!(
+            r#"{}, "body": {{"box": {{"min": [1,1,1], "max": [4,5,5]}}}}, "exit": "+x",
+                "clearance": {clearance}"#,
+            solids(&sides.join(", "))
+        ));
+        let found = found.unwrap();
+        assert_eq!((found.length, found.legs.len()), (5.0, 1), "{found:?}");
+        assert_eq!(found.clearance.value, 0.0);
+    }
+}

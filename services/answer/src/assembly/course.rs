@@ -100,11 +100,11 @@ impl<const D: usize> Course<D> {
     /// Finds the path by the rules of Table 1.
     pub(super) fn disassemble(
         &mut self,
-        body: &Body<'_, D>,
+        body: &AxisBox<D>,
         gap: Gap<'_, D>,
         budget: &Budget<'_>,
     ) -> Result<(), DisassemblyError> {
-        disassemble(&self.chain, body.bounds(), gap, &mut self.path, budget)
+        disassemble(&self.chain, body, gap, &mut self.path, budget)
     }
 
     /// Measures how close the path comes to the walls; `None` if there are none.
