@@ -108,6 +108,9 @@ pub enum DisassemblyError {
     Spent(#[from] Spent),
 }
 
+/// A place as little beside the way out, in parts of the coordinates, is straight ahead.
+const STRAIGHT: f64 = 1e-12;
+
 /// A path of translations and the gaps it keeps. Reusable memory for [`disassemble`];
 /// unspecified after an error.
 #[derive(Debug, Clone, Default)]
@@ -136,7 +139,7 @@ impl<const D: usize> DisassemblyPath<D> {
         &self.gaps
     }
 
-    /// The legs, all of them lines.
+    /// The legs: lines, and arcs where corners are rounded.
     pub fn legs(&self) -> &[Leg<D>] {
         &self.legs
     }
@@ -156,6 +159,29 @@ impl<const D: usize> DisassemblyPath<D> {
             let curve = Curve::translation(ends[0], ends[1]);
             Leg { curve, junction: None, rule: None, rung: None }
         }));
+        self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
+    }
+
+    /// Goes on to a place beyond the mouth: straight on where that is ahead along `axis`, the
+    /// exit's, otherwise by a leg of its own.
+    pub fn go_on(&mut self, to: Vector<D>, axis: usize) {
+        let Some(Leg { curve: Curve::Line { to: out, .. }, .. }) = self.legs.last_mut() else {
+            return;
+        };
+        let rounding = STRAIGHT * out.amax().max(to.amax());
+        if (0..D).all(|other| other == axis || (out[other] - to[other]).abs() <= rounding) {
+            *out = to;
+        } else {
+            let curve = Curve::translation(*out, to);
+            self.legs.push(Leg { curve, junction: None, rule: None, rung: None });
+        }
+        self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
+    }
+
+    /// Takes other legs between the same ends.
+    pub fn set_legs(&mut self, legs: &[Leg<D>]) {
+        self.legs.clear();
+        self.legs.extend_from_slice(legs);
         self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
     }
 

@@ -6,7 +6,8 @@
 //!
 //! The profile is the fastest one whose speed is bounded leg by leg and whose
 //! tangential acceleration is bounded throughout (a trapezoid or a triangle of
-//! speed on every leg). On an arc of radius rho the speed also obeys
+//! speed on every leg). With a limit on jerk each change of speed has three phases, and
+//! every leg begins and ends without acceleration. On an arc of radius rho the speed also obeys
 //! `v <= yaw_rate * rho` and `v^2 <= lateral_acceleration * rho`. The yaw rate
 //! jumps where a line meets an arc, because the curvature does; the limit on
 //! yaw acceleration applies to turns in place only.
@@ -31,8 +32,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod jerk;
 mod limits;
 mod profile;
+mod ramp;
+mod rounding;
 mod sampler;
 mod sampling;
 mod state;
@@ -41,7 +45,8 @@ mod tests;
 mod track;
 
 pub use limits::{LimitError, Limits};
-pub use profile::{Profile, Stops};
+pub use profile::{Profile, Stops, YawJumps};
+pub use rounding::round_corners;
 pub use sampler::Sampler;
 pub use sampling::{Sampling, SamplingError};
 pub use state::State;

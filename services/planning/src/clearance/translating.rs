@@ -52,6 +52,11 @@ impl<const D: usize> Body<'_, D> {
         point
     }
 
+    /// Its outline in the plane.
+    pub(crate) fn outline_or_corners(&self) -> Vec<Vector<2>> {
+        if self.outline.is_empty() { self.corners().to_vec() } else { self.outline.to_vec() }
+    }
+
     /// The corners of its bounds in the plane.
     fn corners(&self) -> [Vector<2>; 4] {
         let (min, max) = (planar(&self.bounds.min()), planar(&self.bounds.max()));

@@ -19,6 +19,9 @@ pub struct Limits {
     yaw_rate: f64,
     yaw_acceleration: f64,
     lateral_acceleration: f64,
+    /// Infinite where there is no limit.
+    jerk: f64,
+    yaw_jerk: f64,
 }
 
 /// Why numbers are no [`Limits`].
@@ -60,7 +63,28 @@ impl Limits {
                 return Err(LimitError::OutOfRange { field, value, least: LEAST, most: MOST });
             }
         }
-        Ok(Self { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration })
+        let (jerk, yaw_jerk) = (f64::INFINITY, f64::INFINITY);
+        Ok(Self {
+            speed,
+            acceleration,
+            yaw_rate,
+            yaw_acceleration,
+            lateral_acceleration,
+            jerk,
+            yaw_jerk,
+        })
+    }
+
+    /// The same with limits on the change of acceleration: along the path (m/s3) and in turns in
+    /// place (rad/s3). `None`: no limit.
+    pub fn with_jerk(self, jerk: Option<f64>, yaw_jerk: Option<f64>) -> Result<Self, LimitError> {
+        let limit = |field, value: Option<f64>| match value {
+            None => Ok(f64::INFINITY),
+            Some(value) if (LEAST..=MOST).contains(&value) => Ok(value),
+            Some(value) => Err(LimitError::OutOfRange { field, value, least: LEAST, most: MOST }),
+        };
+        let (jerk, yaw_jerk) = (limit("jerk", jerk)?, limit("yaw_jerk", yaw_jerk)?);
+        Ok(Self { jerk, yaw_jerk, ..self })
     }
 
     /// Greatest speed of the reference point, m/s.
@@ -87,6 +111,17 @@ impl Limits {
     pub fn lateral_acceleration(&self) -> f64 {
         self.lateral_acceleration
     }
+
+    /// Greatest change of acceleration along the path, m/s3; infinite if there is no limit.
+    pub fn jerk(&self) -> f64 {
+        self.jerk
+    }
+
+    /// Greatest change of yaw acceleration in a turn in place, rad/s3; infinite if there is no
+    /// limit.
+    pub fn yaw_jerk(&self) -> f64 {
+        self.yaw_jerk
+    }
 }
 
 impl Default for Limits {
@@ -97,6 +132,8 @@ impl Default for Limits {
             yaw_rate: 1.0,
             yaw_acceleration: 1.0,
             lateral_acceleration: 0.5,
+            jerk: f64::INFINITY,
+            yaw_jerk: f64::INFINITY,
         }
     }
 }
@@ -107,8 +144,9 @@ mod tests {
 
     #[test]
     fn default_limits_are_admissible() {
-        let Limits { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration } =
-            Limits::default();
+        let limits = Limits::default();
+        let Limits { speed, acceleration, yaw_rate, yaw_acceleration, .. } = limits;
+        let lateral_acceleration = limits.lateral_acceleration;
         let checked =
             Limits::new(speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration);
         assert_eq!(checked, Ok(Limits::default()));
@@ -128,6 +166,16 @@ mod tests {
                 assert_eq!((field, value.to_bits()), (name, bad.to_bits()));
             }
         }
+    }
+
+    #[test]
+    fn limits_on_jerk_are_checked_by_name() {
+        for (jerk, yaw_jerk, name) in [(-1.0, 1.0, "jerk"), (1.0, f64::NAN, "yaw_jerk")] {
+            let LimitError::OutOfRange { field, .. } =
+                Limits::default().with_jerk(Some(jerk), Some(yaw_jerk)).unwrap_err();
+            assert_eq!(field, name);
+        }
+        assert_eq!(Limits::default().with_jerk(None, None), Ok(Limits::default()));
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! The speed profile over the legs.
 
 use super::limits::Limits;
+use super::ramp::{Ramp, Ramping};
 use crate::budget::{Budget, Spent};
+use crate::geometry::Vector;
 use crate::motion::{Curve, Leg, wrapped};
 
 /// Legs shorter than this, metres (turns smaller than this, radians), do not move. No square
@@ -24,6 +26,22 @@ pub enum Stops {
     /// and at cusps, where the robot changes between driving forwards and backwards (driving).
     /// Elsewhere headings are taken to be tangent to the path.
     AtTurns,
+    /// Wherever the direction of travel changes by more than 1e-9 rad from one leg to the next
+    /// (parts whose corners are rounded). On arcs the accelerations along and across the path
+    /// together stay within the limit on acceleration.
+    AtKinks,
+    /// As [`Stops::AtTurns`], and wherever the curvature jumps. The limits on yaw acceleration and
+    /// yaw jerk then hold on arcs as well.
+    AtJoints,
+}
+
+/// Where a motion's yaw rate jumps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct YawJumps {
+    /// At how many joints of legs.
+    pub joints: usize,
+    /// The greatest jump, rad/s.
+    pub greatest: f64,
 }
 
 /// The fastest motion along legs from rest to rest under [`Limits`]. Reusable memory.
@@ -47,13 +65,14 @@ struct Bound {
     in_place: bool,
     length: f64,
     acceleration: f64,
+    jerk: f64,
     /// Square of the greatest speed on the leg.
     most: f64,
     /// Square of the speed at the leg's start.
     entry: f64,
 }
 
-/// The motion on one leg that takes time: the speed rises at `acceleration` from
+/// The motion on one leg that takes time: the speed rises at `acceleration` at most from
 /// `entry` to `peak`, stays, and falls to `exit`. Seconds and metres; radians instead
 /// of metres for a turn in place.
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +87,7 @@ pub(super) struct Phase {
     pub(super) end_offset: f64,
     pub(super) length: f64,
     pub(super) acceleration: f64,
+    pub(super) jerk: f64,
     pub(super) entry: f64,
     pub(super) peak: f64,
     pub(super) exit: f64,
@@ -124,6 +144,27 @@ impl Profile {
         (start, self.leg_ends[leg])
     }
 
+    /// The jumps of the yaw rate between the legs that were planned, if there are any: where the
+    /// curvature jumps and the body does not stop.
+    pub fn yaw_jumps<const D: usize>(&self, legs: &[Leg<D>]) -> Option<YawJumps> {
+        let mut jumps = YawJumps { joints: 0, greatest: 0.0 };
+        let curvature = |phase: &Phase| {
+            if phase.in_place { 0.0 } else { legs[phase.leg].curve.turned() / phase.length }
+        };
+        for pair in self.phases.windows(2) {
+            let (one, other) = (&pair[0], &pair[1]);
+            if one.in_place || other.in_place {
+                continue;
+            }
+            let jump = (curvature(other) - curvature(one)).abs() * one.exit;
+            if jump > 0.0 {
+                jumps.joints += 1;
+                jumps.greatest = jumps.greatest.max(jump);
+            }
+        }
+        (jumps.joints > 0).then_some(jumps)
+    }
+
     pub(super) fn leg_count(&self) -> usize {
         self.leg_ends.len()
     }
@@ -147,13 +188,13 @@ impl Profile {
     fn bound_forward<const D: usize>(&mut self, legs: &[Leg<D>], limits: &Limits, stops: Stops) {
         self.bounds.clear();
         for (leg, Leg { curve, .. }) in legs.iter().enumerate() {
-            let Some(mut bound) = bound(curve, limits) else { continue };
+            let Some(mut bound) = bound(curve, limits, stops) else { continue };
             bound.leg = leg;
-            if let (Some(last), Stops::AtTurns) = (self.bounds.last(), stops)
+            if let Some(last) = self.bounds.last()
                 && !(last.in_place || bound.in_place)
-                && runs_into(&legs[last.leg].curve, curve)
+                && stops.passes(&legs[last.leg].curve, curve)
             {
-                let reached = last.entry + 2.0 * last.acceleration * last.length;
+                let reached = last.reach(last.entry);
                 bound.entry = reached.min(last.most).min(bound.most);
             }
             self.bounds.push(bound);
@@ -164,7 +205,7 @@ impl Profile {
     fn bound_backward(&mut self) {
         let mut exit = 0.0;
         for bound in self.bounds.iter_mut().rev() {
-            bound.entry = bound.entry.min(exit + 2.0 * bound.acceleration * bound.length);
+            bound.entry = bound.entry.min(bound.reach(exit));
             exit = bound.entry;
         }
     }
@@ -205,10 +246,57 @@ impl Profile {
 }
 
 impl Bound {
+    fn ramping(&self) -> Ramping {
+        Ramping { acceleration: self.acceleration, jerk: self.jerk }
+    }
+
+    /// The greatest speed at one end of the leg, if that at the other is `speed`; squares both.
+    fn reach(&self, speed: f64) -> f64 {
+        let ramping = self.ramping();
+        if !ramping.has_jerk() {
+            return speed + 2.0 * self.acceleration * self.length;
+        }
+        let reached = ramping.reach(speed.sqrt(), self.length);
+        reached * reached
+    }
+
+    /// The motion from `entry` to `exit` (both squares) with ramps of three phases each. Its `end`
+    /// is still its duration.
+    fn phase_with_jerk(&self, exit: f64) -> Phase {
+        let Self { leg, in_place, length, acceleration, jerk, most, entry } = *self;
+        let ramping = self.ramping();
+        let (entry, exit) = (entry.sqrt(), exit.sqrt());
+        let peak = ramping.peak((entry, exit), most.sqrt(), length);
+        let Ramp { time: rise_time, distance: rise } = ramping.ramp(entry, peak);
+        let Ramp { time: fall_time, distance: fall } = ramping.ramp(peak, exit);
+        let cruise = (length - rise - fall).max(0.0);
+        Phase {
+            leg,
+            in_place,
+            start: 0.0,
+            end: rise_time + cruise / peak + fall_time,
+            offset: 0.0,
+            end_offset: 0.0,
+            length,
+            acceleration,
+            jerk,
+            entry,
+            peak,
+            exit,
+            rise,
+            rise_time,
+            fall,
+            fall_time,
+        }
+    }
+
     /// The trapezoid or triangle of speed from `entry` to `exit` (both squares). Its `end`
     /// is still its duration.
     fn phase(&self, exit: f64) -> Phase {
-        let Self { leg, in_place, length, acceleration, most, entry } = *self;
+        let Self { leg, in_place, length, acceleration, jerk, most, entry } = *self;
+        if self.ramping().has_jerk() {
+            return self.phase_with_jerk(exit);
+        }
         // The speed at which rising and falling would meet: p^2 - entry + p^2 - exit = 2 a l.
         let meeting = acceleration * length + 0.5 * (entry + exit);
         let peak = meeting.min(most).max(entry).max(exit);
@@ -228,6 +316,7 @@ impl Bound {
             end_offset: 0.0,
             length,
             acceleration,
+            jerk,
             entry,
             peak,
             exit,
@@ -239,12 +328,57 @@ impl Bound {
     }
 }
 
+impl Phase {
+    pub(super) fn ramping(&self) -> Ramping {
+        Ramping { acceleration: self.acceleration, jerk: self.jerk }
+    }
+}
+
+impl Stops {
+    /// Whether a body that moves on `curve` goes on along `next` without a stop.
+    fn passes<const D: usize>(self, curve: &Curve<D>, next: &Curve<D>) -> bool {
+        match self {
+            Self::EveryLeg => false,
+            Self::AtTurns => runs_into(curve, next),
+            Self::AtKinks => {
+                let angle = direction(curve, true).angle(&direction(next, false));
+                angle <= SAME_HEADING
+            }
+            Self::AtJoints => {
+                let curvature = |curve: &Curve<D>| curve.turned() / curve.length();
+                runs_into(curve, next) && curvature(curve) == curvature(next)
+            }
+        }
+    }
+}
+
+/// The direction of travel at the end of a curve, or at its start.
+fn direction<const D: usize>(curve: &Curve<D>, at_end: bool) -> Vector<D> {
+    match *curve {
+        Curve::Line { from, to, .. } => to - from,
+        Curve::Arc { start_angle, sweep, .. } => {
+            let angle = start_angle + if at_end { sweep } else { 0.0 };
+            let (sin, cos) = libm::sincos(angle);
+            let mut way = Vector::zeros();
+            (way[0], way[1]) = (-sin * sweep.signum(), cos * sweep.signum());
+            way
+        }
+        Curve::Turn { .. } => Vector::zeros(),
+    }
+}
+
+/// What parts of the limit on acceleration a part on an arc has along and across its path: at right
+/// angles they make the whole.
+const ALONG: f64 = 0.8;
+const ACROSS: f64 = 0.6;
+
 /// What bounds the speed on `curve` by itself; `None` if nothing moves on it.
-fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
+fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits, stops: Stops) -> Option<Bound> {
     let square = |x: f64| x * x;
     let length = curve.length();
     let angle = curve.turned().abs();
     let in_place = length < NOTHING;
+    let jerk = if in_place { limits.yaw_jerk() } else { limits.jerk() };
     let (length, acceleration, most) = if in_place {
         (angle, limits.yaw_acceleration(), square(limits.yaw_rate()))
     } else {
@@ -262,11 +396,24 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits) -> Option<Bound> {
         };
         (length, limits.acceleration(), most)
     };
+    let (mut acceleration, mut jerk, mut most) = (acceleration, jerk, most);
+    match (stops, curve) {
+        (Stops::AtKinks, Curve::Arc { radius, .. }) if !in_place => {
+            most = square(limits.speed()).min(ACROSS * limits.acceleration() * radius);
+            acceleration = ALONG * limits.acceleration();
+        }
+        (Stops::AtJoints, _) if !in_place && angle > NOTHING => {
+            acceleration = acceleration.min(limits.yaw_acceleration() * length / angle);
+            jerk = jerk.min(limits.yaw_jerk() * length / angle);
+        }
+        _ => {}
+    }
     (length >= NOTHING).then_some(Bound {
         leg: 0,
         in_place,
         length,
         acceleration,
+        jerk,
         most,
         entry: 0.0,
     })

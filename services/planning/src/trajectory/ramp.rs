@@ -74,9 +74,8 @@ impl Ramping {
     /// on `length`.
     pub(super) fn peak(&self, (entry, exit): (f64, f64), most: f64, length: f64) -> f64 {
         let least = entry.max(exit);
-        let fits = |peak: f64| {
-            self.ramp(entry, peak).distance + self.ramp(peak, exit).distance <= length
-        };
+        let fits =
+            |peak: f64| self.ramp(entry, peak).distance + self.ramp(peak, exit).distance <= length;
         if most <= least || fits(most) {
             return most.max(least);
         }
@@ -86,7 +85,7 @@ impl Ramping {
         let sum = acceleration * length + 0.5 * (entry * entry + exit * exit)
             - 0.5 * delay * (entry + exit);
         let full = (0.25 * delay * delay + sum).max(0.0).sqrt() - 0.5 * delay;
-        let peak = if full - entry.min(exit) >= delay && full - least >= delay {
+        let peak = if full - least >= delay {
             full
         } else if entry == 0.0 && exit == 0.0 {
             // From rest to rest without reaching it: p^(3/2) = l j^(1/2) / 2.

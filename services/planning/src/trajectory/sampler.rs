@@ -26,9 +26,10 @@ pub struct Sampler<'a, const D: usize> {
     multiple: f64,
     /// The multiple at which the current law ends, and those at which each of the leg's does.
     end: f64,
-    ends: [f64; 3],
-    /// How many laws of the leg have been begun.
+    ends: [f64; MOST_LAWS],
+    /// How many laws of the leg have been begun, and how many it has.
     laws: usize,
+    law_count: usize,
     /// Index of the next phase. Its start, which is the end of the one before, is the next
     /// state off the grid.
     phase: usize,
@@ -36,17 +37,23 @@ pub struct Sampler<'a, const D: usize> {
     remaining: u64,
 }
 
-/// A motion at constant acceleration, seen from one place on it.
+/// Laws of a leg: without a limit on jerk three, with one seven.
+const MOST_LAWS: usize = 7;
+
+/// A motion at constant jerk, mostly at constant acceleration, seen from one place on it.
 #[derive(Debug, Clone, Copy, Default)]
-struct Law {
+pub(super) struct Law {
     /// What the grid measures there.
-    mark: f64,
+    pub(super) mark: f64,
     /// Time there, seconds.
-    time: f64,
+    pub(super) time: f64,
     /// Distance from the leg's start there, metres or radians.
-    along: f64,
-    speed: f64,
-    acceleration: f64,
+    pub(super) along: f64,
+    pub(super) speed: f64,
+    pub(super) acceleration: f64,
+    pub(super) jerk: f64,
+    /// How long the law holds from there, seconds; negative before there. Only with jerk.
+    pub(super) span: f64,
 }
 
 impl Profile {
@@ -87,8 +94,9 @@ impl<'a, const D: usize> Sampler<'a, D> {
             step: 0.0,
             multiple: 0.0,
             end: 0.0,
-            ends: [0.0; 3],
-            laws: 3,
+            ends: [0.0; MOST_LAWS],
+            laws: 0,
+            law_count: 0,
             phase: 0,
             remaining: profile.sample_count(sampling),
         }
@@ -98,7 +106,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// leg's next law, or the state at the end of the leg.
     #[inline(never)]
     fn advance(&mut self) -> Option<State<D>> {
-        while self.laws < 3 {
+        while self.laws < self.law_count {
             let law = self.laws;
             self.laws += 1;
             self.end = self.ends[law];
@@ -121,7 +129,9 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let track = self.track.as_mut()?;
         let measured = self.multiple * self.step;
         self.multiple += 1.0;
-        let (time, along, speed) = if self.grid.by_time {
+        let (time, along, speed) = if self.law.jerk != 0.0 {
+            self.law.motion_with_jerk(measured, self.grid.by_time)
+        } else if self.grid.by_time {
             self.law.motion::<true>(measured)
         } else {
             self.law.motion::<false>(measured)
@@ -169,6 +179,14 @@ impl<'a, const D: usize> Sampler<'a, D> {
             if self.multiple < self.end {
                 let end = self.end.min(self.multiple + left);
                 left -= end - self.multiple;
+                if self.law.jerk != 0.0 {
+                    while self.multiple < end
+                        && let Some(state) = self.on_grid()
+                    {
+                        all = f(all, state);
+                    }
+                    continue;
+                }
                 // A loop for each shape, so that no state has to decide.
                 let shape = self.track.as_ref().map_or(TrackShape::Line, Track::shape);
                 let f = &mut f;
@@ -230,12 +248,13 @@ impl<'a, const D: usize> Sampler<'a, D> {
         self.step = self.grid.step(phase);
         self.multiple = inside.first;
         self.laws = 0;
+        self.law_count = Law::count(phase);
         // No law has begun, so none has multiples left.
         self.end = inside.first;
-        self.ends = [inside.end; 3];
+        self.ends = [inside.end; MOST_LAWS];
         if inside.first < inside.end {
             // Near the border of two laws either may evaluate a multiple: they agree to rounding.
-            for law in 0..2 {
+            for law in 0..self.law_count - 1 {
                 let bound = Law::end(phase, law, &self.grid);
                 self.ends[law] = first_multiple(self.step, |x| x >= bound, bound).min(inside.end);
             }
@@ -259,7 +278,7 @@ impl Law {
     /// Time, distance from the leg's start and speed where the grid measures `measured`.
     #[inline]
     fn motion<const BY_TIME: bool>(&self, measured: f64) -> (f64, f64, f64) {
-        let Self { mark, time, along, speed, acceleration } = *self;
+        let Self { mark, time, along, speed, acceleration, .. } = *self;
         let beyond = measured - mark;
         if BY_TIME {
             let moved = beyond * (speed + 0.5 * acceleration * beyond);
@@ -271,9 +290,17 @@ impl Law {
         }
     }
 
+    /// How many laws a phase has.
+    fn count(phase: &Phase) -> usize {
+        if phase.ramping().has_jerk() { MOST_LAWS } else { 3 }
+    }
+
     /// The laws of a phase: speeding up, cruising, braking. The last is seen from the end of
     /// the phase, so that it meets the end exactly.
     fn of(phase: &Phase, law: usize, grid: &SampleGrid) -> Self {
+        if phase.ramping().has_jerk() {
+            return Self::with_jerk(phase, law, grid);
+        }
         let (start, end) = grid.ends(phase);
         match law {
             0 => Self {
@@ -282,13 +309,14 @@ impl Law {
                 along: 0.0,
                 speed: phase.entry,
                 acceleration: phase.acceleration,
+                ..Self::default()
             },
             1 => Self {
                 mark: Self::end(phase, 0, grid),
                 time: phase.start + phase.rise_time,
                 along: phase.rise,
                 speed: phase.peak,
-                acceleration: 0.0,
+                ..Self::default()
             },
             _ => Self {
                 mark: end,
@@ -296,12 +324,16 @@ impl Law {
                 along: phase.length,
                 speed: phase.exit,
                 acceleration: -phase.acceleration,
+                ..Self::default()
             },
         }
     }
 
-    /// What the grid measures where law 0 or 1 of `phase` ends.
+    /// What the grid measures where a law of `phase` other than the last ends.
     fn end(phase: &Phase, law: usize, grid: &SampleGrid) -> f64 {
+        if phase.ramping().has_jerk() {
+            return Self::end_with_jerk(phase, law, grid);
+        }
         let (start, end) = grid.ends(phase);
         match (law, grid.by_time) {
             (0, true) => start + phase.rise_time,

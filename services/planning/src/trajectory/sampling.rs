@@ -179,12 +179,27 @@ pub(super) fn first_multiple(step: f64, passed: impl Fn(f64) -> bool, bound: f64
 impl Phase {
     /// How far the body gets in the first `time` seconds of the phase.
     fn run_from_start(&self, time: f64) -> f64 {
+        if self.ramping().has_jerk() {
+            return self.run_with_jerk(self.entry, self.rise_time, time);
+        }
         run(self.entry, self.peak, self.acceleration, self.rise_time, self.rise, time)
     }
 
     /// How far the body gets in the last `time` seconds of the phase.
     fn run_to_end(&self, time: f64) -> f64 {
+        if self.ramping().has_jerk() {
+            return self.run_with_jerk(self.exit, self.fall_time, time);
+        }
         run(self.exit, self.peak, self.acceleration, self.fall_time, self.fall, time)
+    }
+}
+
+impl Phase {
+    /// The same from an end where the speed is `speed` and a ramp of `ramp_time` begins; beyond
+    /// its first part a bound.
+    fn run_with_jerk(&self, speed: f64, ramp_time: f64, time: f64) -> f64 {
+        let rising = time.min(self.ramping().onset(ramp_time));
+        time * speed + self.jerk * rising * rising * (0.5 * time - rising / 3.0)
     }
 }
 

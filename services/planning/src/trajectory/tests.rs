@@ -7,6 +7,7 @@ use crate::motion::{Curve, Leg, wrapped};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+mod jerk;
 mod reverse;
 
 fn leg<const D: usize>(curve: Curve<D>) -> Leg<D> {
