@@ -6,8 +6,8 @@
 //! and are never compared. The rules:
 //!
 //! - Any change to the bytes is a new version.
-//! - A reader reads its own version and every version before it. Version 1 is frozen in
-//!   `codec/version_1.rs`; whoever changes a message freezes the version before there,
+//! - A reader reads its own version and every version before it. Versions 1 and 2 are frozen in
+//!   `codec/version_1.rs` and `codec/version_2.rs`; whoever changes a message freezes the version before there,
 //!   in a module of its own.
 //! - A reader refuses a later version and names both numbers.
 //! - A writer writes the newest version only.
@@ -16,6 +16,7 @@
 //! has ended; see `deny.toml`).
 
 mod version_1;
+mod version_2;
 
 use bincode::config::{Configuration, Fixint, Limit, LittleEndian};
 use serde::Serialize;
@@ -25,7 +26,7 @@ use thiserror::Error;
 use crate::message::{ReplyPart, Request, Sample, Trajectory};
 
 /// Version of recorded messages.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Schema name of `/planner/request` messages.
 pub const REQUEST_NAME: &str = "clearway.Request";
@@ -95,6 +96,7 @@ pub fn encode_part_into(part: &ReplyPart, samples: &[Sample], bytes: &mut Vec<u8
         channels,
         legs,
         samples: _,
+        exceeds,
     } = trajectory;
     // Fields are encoded one after the other, whatever they are in.
     let of_part = (key, id, sent_ns, part, last, answer, answers);
@@ -107,6 +109,7 @@ pub fn encode_part_into(part: &ReplyPart, samples: &[Sample], bytes: &mut Vec<u8
     } else {
         samples.iter().for_each(|sample| encode_into(sample, bytes));
     }
+    encode_into(exceeds, bytes);
 }
 
 /// `message` as bytes.
@@ -131,6 +134,7 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DecodeError> {
 pub fn decode_request(version: u32, bytes: &[u8]) -> Result<Request, DecodeError> {
     match version {
         1 => version_1::request(bytes),
+        2 => version_2::request(bytes),
         VERSION => decode(bytes),
         found => Err(DecodeError::Version { found, newest: VERSION }),
     }
@@ -140,6 +144,7 @@ pub fn decode_request(version: u32, bytes: &[u8]) -> Result<Request, DecodeError
 pub fn decode_reply(version: u32, bytes: &[u8]) -> Result<ReplyPart, DecodeError> {
     match version {
         1 => version_1::reply(bytes),
+        2 => version_2::reply(bytes),
         VERSION => decode(bytes),
         found => Err(DecodeError::Version { found, newest: VERSION }),
     }

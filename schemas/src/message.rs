@@ -11,13 +11,13 @@ mod vector;
 pub use assemble::{AssembleError, ReplyAssembler};
 pub use digest::{Digest, NotADigest};
 pub use reply::{
-    Answer, Axis, Clearance, Curve, CurveKind, ErrorCode, Leg, Refusal, Reply, ReplyPart, Rule,
-    Rung, Trajectory,
+    Answer, Axis, Clearance, Curve, CurveKind, ErrorCode, ExceededLimit, Exceeds, Leg, Refusal,
+    Reply, ReplyPart, Rule, Rung, Trajectory,
 };
 pub(crate) use reply::{optional_text, text};
 pub use scene::{
-    AxisBox, Body, Choice, ClearanceWish, Direction, Footprint, FreeSpace, Gap, Goal, Limits, Pose,
-    Report, Sampling, SceneRequest, Solid, StartTurn, Task,
+    AxisBox, Body, Choice, ClearanceWish, Corners, Direction, Footprint, Frames, FreeSpace, Gap,
+    Goal, Limits, Pose, Report, SampleFrame, Sampling, SceneRequest, Solid, StartTurn, Task,
 };
 pub use vector::Vector;
 

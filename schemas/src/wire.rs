@@ -71,8 +71,25 @@ pub mod given {
     pub const REAR: u64 = 1 << 22;
     /// `named`
     pub const NAMED: u64 = 1 << 23;
+    /// `frames[0]`
+    pub const FRAMES: u64 = 1 << 24;
+    /// `frames[1]`
+    pub const FIXED_AT_END: u64 = 1 << 25;
+    /// `frames[2]`
+    pub const MOVING: u64 = 1 << 26;
+    /// `sample_frame`
+    pub const SAMPLE_FRAME: u64 = 1 << 27;
+    /// `corners`
+    pub const CORNERS: u64 = 1 << 28;
+    /// `stop_at_joints`, whose value is
+    /// [`switch::STOP_AT_JOINTS`](super::switch::STOP_AT_JOINTS).
+    pub const STOP_AT_JOINTS: u64 = 1 << 29;
+    /// `jerks[0]`
+    pub const JERK: u64 = 1 << 30;
+    /// `jerks[1]`
+    pub const YAW_JERK: u64 = 1 << 31;
     /// All defined bits.
-    pub const ALL: u64 = (NAMED << 1) - 1;
+    pub const ALL: u64 = (YAW_JERK << 1) - 1;
 }
 
 /// Bits of [`RequestHeader::switches`]: the values of fields that are true or false.
@@ -81,8 +98,10 @@ pub mod switch {
     pub const REVERSE: u32 = 1;
     /// `turn_in_place`
     pub const TURN_IN_PLACE: u32 = 1 << 1;
+    /// `stop_at_joints`
+    pub const STOP_AT_JOINTS: u32 = 1 << 2;
     /// All defined bits.
-    pub const ALL: u32 = (TURN_IN_PLACE << 1) - 1;
+    pub const ALL: u32 = (STOP_AT_JOINTS << 1) - 1;
 }
 
 /// Bits of [`ReplyHeader::given`].
@@ -95,8 +114,10 @@ pub mod reported {
     pub const FREE_CLEARANCE: u32 = 1 << 2;
     /// The search for the trajectory ended before it was complete.
     pub const INCOMPLETE: u32 = 1 << 3;
+    /// `exceeds`, `exceeds_joints` and `exceeds_jump`
+    pub const EXCEEDS: u32 = 1 << 4;
     /// All defined bits.
-    pub const ALL: u32 = (INCOMPLETE << 1) - 1;
+    pub const ALL: u32 = (EXCEEDS << 1) - 1;
 }
 
 /// Bits of a refusal's `present` cell: the optional fields that are present.
@@ -155,9 +176,9 @@ pub struct RequestHeader {
     pub limits: [f64; 5],
     /// Seconds from arrival.
     pub deadline: f64,
-    /// x, y (m) and heading (rad).
+    /// x, y (m) and heading (rad); in three dimensions x, y, z.
     pub start: [f64; 3],
-    /// x, y (m) and heading (rad).
+    /// x, y (m) and heading (rad); in three dimensions x, y, z.
     pub goal: [f64; 3],
     /// Least corner, then greatest corner, `dimension` coordinates each; metres.
     pub bounds: [f64; 6],
@@ -185,6 +206,15 @@ pub struct RequestHeader {
     pub rear: f64,
     /// SHA-256 of the free space.
     pub named: [u8; 32],
+    /// The fixed part, the fixed part at the end, the moving part: each `dimension` coordinates
+    /// (m), zeros, and at last the heading (rad).
+    pub frames: [f64; 12],
+    /// 0 fixed, 1 base.
+    pub sample_frame: u32,
+    /// 0 sharp, 1 arc.
+    pub corners: u32,
+    /// Jerk (m/s³) and yaw jerk (rad/s³).
+    pub jerks: [f64; 2],
 }
 
 impl RequestHeader {
@@ -253,6 +283,12 @@ pub struct ReplyHeader {
     pub bound: f64,
     /// Free clearance, metres.
     pub free_clearance: f64,
+    /// 0 yaw acceleration.
+    pub exceeds: u32,
+    /// At how many joints.
+    pub exceeds_joints: u32,
+    /// The greatest jump there, rad/s.
+    pub exceeds_jump: f64,
 }
 
 /// A leg of a path in a reply's payload.

@@ -26,3 +26,5 @@ mod round_trips;
 mod strategies;
 #[path = "messages/version_1.rs"]
 mod version_1;
+#[path = "messages/version_2.rs"]
+mod version_2;

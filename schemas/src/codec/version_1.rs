@@ -7,10 +7,11 @@
 
 use serde::Deserialize;
 
+use super::version_2::Limits;
 use super::{DecodeError, decode};
 use crate::message::{
-    self, AxisBox, Clearance, ClearanceWish, Curve, Direction, ErrorCode, Goal, Limits, Pose,
-    RequestKey, Rule, Sample, Sampling, Solid, StartTurn, Task, Vector,
+    self, AxisBox, Clearance, ClearanceWish, Curve, Direction, ErrorCode, Goal, Pose, RequestKey,
+    Rule, Sample, Sampling, Solid, StartTurn, Task, Vector,
 };
 use crate::wire::previous;
 
@@ -172,9 +173,12 @@ impl SceneRequest {
             stop_cost: None,
             report: None,
             clearance,
-            limits,
+            limits: limits.upgrade(),
             sampling,
             deadline,
+            frames: None,
+            corners: None,
+            stop_at_joints: None,
         }
     }
 }
@@ -198,6 +202,7 @@ impl Trajectory {
             channels,
             legs: legs.into_iter().map(Leg::upgrade).collect(),
             samples,
+            exceeds: None,
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::cells::{CellReader, CellWriter, Malformed};
 use super::codes;
 use crate::message::{
-    AxisBox, Clearance, Curve, Direction, ErrorCode, Leg, Refusal, ReplyPart, RequestKey, Rule,
-    Rung, Sample, Trajectory, Vector,
+    AxisBox, Clearance, Curve, Direction, ErrorCode, ExceededLimit, Exceeds, Leg, Refusal,
+    ReplyPart, RequestKey, Rule, Rung, Sample, Trajectory, Vector,
 };
 use crate::wire::{self, LEG_CELLS, PART_CELLS, ReplyHeader, SAMPLE_CELLS, present, reported};
 
@@ -267,6 +267,14 @@ fn read_trajectory<'a>(
             })
             .collect::<Result<_, _>>()?,
         samples: Vec::new(),
+        exceeds: match has(reported::EXCEEDS) {
+            true => Some(Exceeds {
+                limit: codes::value("exceeds", ExceededLimit::ALL, header.exceeds.into())?,
+                joints: header.exceeds_joints.into(),
+                jump: header.exceeds_jump,
+            }),
+            false => None,
+        },
     };
     Ok((trajectory, bytemuck::cast_slice(samples)))
 }
@@ -293,12 +301,23 @@ impl wire::ReplyHeader {
     /// Sets the fields of the next trajectory's certificate.
     pub fn set_certificate(&mut self, certificate: Certificate) {
         let Certificate { bound, free_clearance, complete } = certificate;
-        self.given &= reported::ID;
+        self.given &= reported::ID | reported::EXCEEDS;
         self.given |= bound.map_or(0, |_| reported::BOUND);
         self.given |= free_clearance.map_or(0, |_| reported::FREE_CLEARANCE);
         self.given |= if complete { 0 } else { reported::INCOMPLETE };
         self.bound = bound.unwrap_or(0.0);
         self.free_clearance = free_clearance.unwrap_or(0.0);
+    }
+
+    /// Sets the limit that the next trajectory does not obey.
+    pub fn set_exceeds(&mut self, exceeds: Option<Exceeds>) {
+        self.given &= !reported::EXCEEDS;
+        if let Some(Exceeds { limit, joints, jump }) = exceeds {
+            self.given |= reported::EXCEEDS;
+            self.exceeds = codes::code(ExceededLimit::ALL, limit);
+            self.exceeds_joints = u32::try_from(joints).unwrap_or(u32::MAX);
+            self.exceeds_jump = jump;
+        }
     }
 
     /// The code of a way out for [`ReplyHeader::exit`].

@@ -3,9 +3,9 @@
 use super::cells::{CellReader, Malformed, demand};
 use super::codes;
 use crate::message::{
-    AxisBox, Body, Choice, ClearanceWish, Digest, Direction, Footprint, FreeSpace, Gap, Goal,
-    Limits, Pose, Refusal, Report, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task,
-    Vector,
+    AxisBox, Body, Choice, ClearanceWish, Corners, Digest, Direction, Footprint, Frames, FreeSpace,
+    Gap, Goal, Limits, Pose, Refusal, Report, RequestKey, SampleFrame, Sampling, SceneRequest,
+    Solid, StartTurn, Task, Vector,
 };
 use crate::wire::{RequestHeader, VERSION, given, switch};
 
@@ -37,12 +37,18 @@ pub fn dimension(scene: &SceneRequest, free_space: &FreeSpace) -> Result<u32, Re
     for (field, position) in [
         ("start.position", scene.start.map(|start| start.position)),
         ("goal.position", scene.goal.map(|goal| goal.position)),
+        ("frames.fixed.position", scene.frames.map(|frames| frames.fixed.position)),
+        (
+            "frames.fixed_at_end.position",
+            scene.frames.and_then(|frames| frames.fixed_at_end).map(|pose| pose.position),
+        ),
+        (
+            "frames.moving.position",
+            scene.frames.and_then(|frames| frames.moving).map(|pose| pose.position),
+        ),
     ] {
         if let Some(position) = position {
             points.point(field, &position)?;
-            if position.dimension() != 2 {
-                return Err(wrong_dimension(field, 2, position.dimension()));
-            }
         }
     }
     // A scene without points is refused later, for what it lacks.
@@ -146,21 +152,19 @@ fn write_options(scene: &SceneRequest, header: &mut RequestHeader) {
     }
     if let Some(Pose { position, heading }) = scene.start {
         header.given |= given::START;
-        header.start = [position.padded()[0], position.padded()[1], heading];
+        header.start = place(&position, heading);
     }
     if let Some(Goal { position, heading }) = scene.goal {
         header.given |= given::GOAL;
-        header.goal = [position.padded()[0], position.padded()[1], 0.0];
-        if let Some(heading) = heading {
-            header.given |= given::GOAL_HEADING;
-            header.goal[2] = heading;
-        }
+        header.goal = place(&position, heading.unwrap_or(0.0));
+        header.given |= heading.map_or(0, |_| given::GOAL_HEADING);
     }
     if let Some(start_turn) = scene.start_turn {
         header.given |= given::START_TURN;
         header.start_turn = codes::code(StartTurn::ALL, start_turn);
     }
     write_robot(scene, header);
+    write_manner(scene, header);
     if let Some(sampling) = scene.sampling {
         header.given |= given::SAMPLING;
         (header.sampling_kind, header.sampling) = match sampling {
@@ -193,6 +197,7 @@ fn write_robot(scene: &SceneRequest, header: &mut RequestHeader) {
     for (value, bit, switch) in [
         (scene.reverse, given::REVERSE, switch::REVERSE),
         (scene.turn_in_place, given::TURN_IN_PLACE, switch::TURN_IN_PLACE),
+        (scene.stop_at_joints, given::STOP_AT_JOINTS, switch::STOP_AT_JOINTS),
     ] {
         header.given |= value.map_or(0, |_| bit);
         header.switches |= if value == Some(true) { switch } else { 0 };
@@ -212,6 +217,48 @@ fn write_robot(scene: &SceneRequest, header: &mut RequestHeader) {
     if let Some(Digest(bytes)) = scene.free_space.named {
         header.given |= given::NAMED;
         header.named = bytes;
+    }
+}
+
+/// A position in the plane and the heading there; in space, where parts do not turn, the position.
+fn place(position: &Vector, heading: f64) -> [f64; 3] {
+    match position.padded() {
+        [x, y, _] if position.dimension() < 3 => [x, y, heading],
+        spatial => spatial,
+    }
+}
+
+fn write_manner(scene: &SceneRequest, header: &mut RequestHeader) {
+    if let Some(Frames { fixed, fixed_at_end, moving, samples }) = scene.frames {
+        let frames = [
+            (Some(fixed), given::FRAMES),
+            (fixed_at_end, given::FIXED_AT_END),
+            (moving, given::MOVING),
+        ];
+        for (cells, (pose, bit)) in header.frames.chunks_exact_mut(4).zip(frames) {
+            let Some(Pose { position, heading }) = pose else { continue };
+            header.given |= bit;
+            cells[..3].copy_from_slice(&position.padded());
+            cells[3] = heading;
+        }
+        if let Some(frame) = samples {
+            header.given |= given::SAMPLE_FRAME;
+            header.sample_frame = codes::code(SampleFrame::ALL, frame);
+        }
+    }
+    if let Some(corners) = scene.corners {
+        header.given |= given::CORNERS;
+        header.corners = codes::code(Corners::ALL, corners);
+    }
+    for (index, (limit, bit)) in
+        [(scene.limits.jerk, given::JERK), (scene.limits.yaw_jerk, given::YAW_JERK)]
+            .into_iter()
+            .enumerate()
+    {
+        if let Some(limit) = limit {
+            header.given |= bit;
+            header.jerks[index] = limit;
+        }
     }
 }
 
@@ -316,9 +363,6 @@ pub fn read_scene(
     }
     demand("reserved", header.reserved, 0, "in this version")?;
     let has = |bit: u64| header.given & bit != 0;
-    if has(given::START) || has(given::GOAL) {
-        demand("dimension", header.dimension, 2, "with a start or a goal")?;
-    }
     let dimension = header.dimension as usize;
     let mut cells = CellReader::new(cells);
     read_options(header, dimension, scene)?;
@@ -369,12 +413,15 @@ fn read_options(
         min: numbers(&header.bounds[..dimension]),
         max: numbers(&header.bounds[dimension..2 * dimension]),
     });
-    let [x, y, heading] = header.start;
-    scene.start = has(given::START).then(|| Pose { position: [x, y].into(), heading });
-    let [x, y, heading] = header.goal;
+    // In space there is no heading.
+    let heading = |place: [f64; 3]| if dimension == 2 { place[2] } else { 0.0 };
+    scene.start = has(given::START).then(|| Pose {
+        position: numbers(&header.start[..dimension]),
+        heading: heading(header.start),
+    });
     scene.goal = has(given::GOAL).then(|| Goal {
-        position: [x, y].into(),
-        heading: has(given::GOAL_HEADING).then_some(heading),
+        position: numbers(&header.goal[..dimension]),
+        heading: has(given::GOAL_HEADING).then_some(heading(header.goal)),
     });
     scene.start_turn = match has(given::START_TURN) {
         true => Some(codes::value("start_turn", StartTurn::ALL, header.start_turn.into())?),
@@ -383,6 +430,7 @@ fn read_options(
     let switch = |bit, switch: u32| has(bit).then_some(header.switches & switch != 0);
     scene.reverse = switch(given::REVERSE, switch::REVERSE);
     scene.turn_in_place = switch(given::TURN_IN_PLACE, switch::TURN_IN_PLACE);
+    scene.stop_at_joints = switch(given::STOP_AT_JOINTS, switch::STOP_AT_JOINTS);
     scene.min_turn_radius = has(given::MIN_TURN_RADIUS).then_some(header.min_turn_radius);
     scene.turn_cost = has(given::TURN_COST).then_some(header.turn_cost);
     scene.stop_cost = has(given::STOP_COST).then_some(header.stop_cost);
@@ -409,6 +457,41 @@ fn read_options(
         yaw_rate: limit(2),
         yaw_acceleration: limit(3),
         lateral_acceleration: limit(4),
+        jerk: has(given::JERK).then_some(header.jerks[0]),
+        yaw_jerk: has(given::YAW_JERK).then_some(header.jerks[1]),
+    };
+    read_manner(header, dimension, scene)
+}
+
+fn read_manner(
+    header: &RequestHeader,
+    dimension: usize,
+    scene: &mut SceneRequest,
+) -> Result<(), Malformed> {
+    let has = |bit: u64| header.given & bit != 0;
+    let frame = |index: usize| {
+        let cells = &header.frames[4 * index..4 * index + 4];
+        Pose { position: numbers(&cells[..dimension]), heading: cells[3] }
+    };
+    scene.frames = match has(given::FRAMES) {
+        true => Some(Frames {
+            fixed: frame(0),
+            fixed_at_end: has(given::FIXED_AT_END).then(|| frame(1)),
+            moving: has(given::MOVING).then(|| frame(2)),
+            samples: match has(given::SAMPLE_FRAME) {
+                true => Some(codes::value(
+                    "sample_frame",
+                    SampleFrame::ALL,
+                    header.sample_frame.into(),
+                )?),
+                false => None,
+            },
+        }),
+        false => None,
+    };
+    scene.corners = match has(given::CORNERS) {
+        true => Some(codes::value("corners", Corners::ALL, header.corners.into())?),
+        false => None,
     };
     Ok(())
 }

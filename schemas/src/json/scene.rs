@@ -10,8 +10,8 @@ use super::footprint::FootprintJson;
 use super::half_space::IntersectionJson;
 use super::values::{BoxJson, Element, List, Numbers, Point, Word, Words};
 use crate::message::{
-    Body, Direction, FreeSpace, Goal, Limits, Pose, Report, Sampling, SceneRequest, Solid,
-    StartTurn, Task, Vector,
+    Body, Corners, Direction, Frames, FreeSpace, Goal, Limits, Pose, Report, SampleFrame, Sampling,
+    SceneRequest, Solid, StartTurn, Task, Vector,
 };
 
 /// A scene request: where to plan, what moves, and how. Lengths are in metres, angles
@@ -35,10 +35,12 @@ pub(super) struct SceneJson<'a> {
     /// which the one with the shortest path is taken. Default: `"+z"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     exit: Option<Words<'a, Direction>>,
-    /// `drive` only, which requires it: where the robot stands.
+    /// Where the motion begins. `drive` requires it: where the robot stands. Assembly tasks: the
+    /// displacement from the assembled state or, with `frames`, where the moving part's frame is in
+    /// the base frame.
     #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<PoseJson>,
-    /// `drive` only, which requires it: where the robot goes.
+    start: Option<StartJson>,
+    /// Where the motion ends. `drive` requires it: where the robot goes. Assembly tasks: as `start`.
     #[serde(skip_serializing_if = "Option::is_none")]
     goal: Option<GoalJson>,
     /// `drive` only: how the robot takes up its first heading. Default: `"in_place"`.
@@ -80,6 +82,18 @@ pub(super) struct SceneJson<'a> {
     /// than 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     deadline: Option<f64>,
+    /// Assembly tasks only: where the parts stand in the base frame. Channels, solids, bounds and
+    /// the exit are in the fixed part's frame, the body's coordinates in the moving part's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frames: Option<FramesJson>,
+    /// How the body passes from one straight leg to the next. Default: `"sharp"` for assembly tasks,
+    /// `"arc"` for `drive`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    corners: Option<Word<Corners>>,
+    /// `drive` only: whether the robot stops wherever the curvature of its path jumps. Default:
+    /// false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stop_at_joints: Option<bool>,
 }
 
 impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
@@ -103,6 +117,9 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             limits,
             sampling,
             deadline,
+            frames,
+            corners,
+            stop_at_joints,
         } = scene;
         Self {
             id: *id,
@@ -110,7 +127,7 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             free_space: free_space.into(),
             body: body.into(),
             exit: (!exit.is_empty()).then(|| exit.as_slice().into()),
-            start: start.map(PoseJson::from),
+            start: start.map(|start| StartJson::of(start, *task)),
             goal: goal.map(GoalJson::from),
             start_turn: start_turn.map(Word),
             reverse: *reverse,
@@ -123,6 +140,9 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             limits: (*limits != Limits::default()).then(|| LimitsJson::from(*limits)),
             sampling: sampling.map(SamplingJson::from),
             deadline: *deadline,
+            frames: frames.map(FramesJson::from),
+            corners: corners.map(Word),
+            stop_at_joints: *stop_at_joints,
         }
     }
 }
@@ -148,6 +168,9 @@ impl SceneJson<'_> {
             limits,
             sampling,
             deadline,
+            frames,
+            corners,
+            stop_at_joints,
         } = self;
         Ok(SceneRequest {
             id,
@@ -155,7 +178,7 @@ impl SceneJson<'_> {
             free_space: free_space.into(),
             body: body.into_message().map_err(|fault| fault.in_field("body"))?,
             exit: exit.map_or_else(Vec::new, Vec::from),
-            start: start.map(Pose::from),
+            start: start.map(|start| start.into_message(task.0)).transpose()?,
             goal: goal.map(Goal::from),
             start_turn: start_turn.map(|Word(turn)| turn),
             reverse,
@@ -168,6 +191,9 @@ impl SceneJson<'_> {
             limits: limits.map_or_else(Limits::default, Limits::from),
             sampling: sampling.map(Sampling::from),
             deadline,
+            frames: frames.map(Frames::from),
+            corners: corners.map(|Word(corners)| corners),
+            stop_at_joints,
         })
     }
 }
@@ -335,18 +361,86 @@ impl From<Point> for Vector {
     }
 }
 
-/// Where the robot stands.
+/// Where a frame is.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "pose"))]
 #[serde(deny_unknown_fields)]
 struct PoseJson {
-    /// The footprint's reference point, metres.
+    /// Its origin, metres.
     position: Point,
-    /// Radians counter-clockwise from +x.
+    /// Radians counter-clockwise from +x; in (x, z) from +x towards +z.
     heading: f64,
 }
 
 same_fields!(PoseJson, Pose { position, heading });
+
+/// Where the motion begins.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "start"))]
+#[serde(deny_unknown_fields)]
+struct StartJson {
+    /// The footprint's reference point; a part's displacement, or its frame's origin; metres.
+    position: Point,
+    /// `drive` only, which requires it: radians counter-clockwise from +x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heading: Option<f64>,
+}
+
+impl StartJson {
+    fn of(Pose { position, heading }: Pose, task: Task) -> Self {
+        let heading = (task == Task::Drive || heading != 0.0).then_some(heading);
+        Self { position: Numbers(position), heading }
+    }
+
+    fn into_message(self, task: Task) -> Result<Pose, Fault> {
+        let missing = || Fault::missing().in_field("heading").in_field("start");
+        let heading = match self.heading {
+            None if task == Task::Drive => return Err(missing()),
+            heading => heading.unwrap_or(0.0),
+        };
+        Ok(Pose { position: self.position.0, heading })
+    }
+}
+
+/// Where the parts of an assembly scene stand in the base frame.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "frames"))]
+#[serde(deny_unknown_fields)]
+struct FramesJson {
+    /// The fixed (female) part.
+    fixed: PoseJson,
+    /// The fixed part at the end of the motion. Default: it stays where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fixed_at_end: Option<PoseJson>,
+    /// The moving (male) part in the assembled state. Default: its frame is the fixed part's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    moving: Option<PoseJson>,
+    /// What the samples are given in. Default: `"fixed"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<Word<SampleFrame>>,
+}
+
+impl From<Frames> for FramesJson {
+    fn from(Frames { fixed, fixed_at_end, moving, samples }: Frames) -> Self {
+        Self {
+            fixed: fixed.into(),
+            fixed_at_end: fixed_at_end.map(PoseJson::from),
+            moving: moving.map(PoseJson::from),
+            samples: samples.map(Word),
+        }
+    }
+}
+
+impl From<FramesJson> for Frames {
+    fn from(FramesJson { fixed, fixed_at_end, moving, samples }: FramesJson) -> Self {
+        Self {
+            fixed: fixed.into(),
+            fixed_at_end: fixed_at_end.map(Pose::from),
+            moving: moving.map(Pose::from),
+            samples: samples.map(|Word(frame)| frame),
+        }
+    }
+}
 
 /// Where the robot goes.
 #[derive(Serialize, Deserialize)]
@@ -383,11 +477,25 @@ struct LimitsJson {
     /// `drive` only: across the path, m/s². Default: 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     lateral_acceleration: Option<f64>,
+    /// Along the path, m/s³. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jerk: Option<f64>,
+    /// `drive` only: while turning in place, rad/s³. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    yaw_jerk: Option<f64>,
 }
 
 same_fields!(
     LimitsJson,
-    Limits { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration }
+    Limits {
+        speed,
+        acceleration,
+        yaw_rate,
+        yaw_acceleration,
+        lateral_acceleration,
+        jerk,
+        yaw_jerk
+    }
 );
 
 /// Which states of the motion the reply has.

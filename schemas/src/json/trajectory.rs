@@ -9,7 +9,9 @@ use serde::ser::SerializeSeq;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::values::{List, Numbers, Point, Word};
-use crate::message::{AxisBox, Clearance, Direction, Leg, Sample, Trajectory, Vector};
+use crate::message::{
+    AxisBox, Clearance, Direction, ExceededLimit, Exceeds, Leg, Sample, Trajectory, Vector,
+};
 
 /// A planned motion of the body.
 #[derive(Serialize, Deserialize)]
@@ -48,8 +50,37 @@ pub(super) struct TrajectoryJson<'a> {
     free_clearance: Option<Distance>,
     /// The pieces of the path, in travel order.
     legs: List<'a, Leg>,
+    /// The limit that the motion does not obey, where the request has `corners`, or `"report"` is
+    /// `"full"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exceeds: Option<ExceedsJson>,
     /// States of the motion; their times strictly increase.
     samples: SamplesJson<'a>,
+}
+
+/// A limit that a motion does not obey.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "json-schema", derive(schemars::JsonSchema), schemars(rename = "exceeds"))]
+#[serde(deny_unknown_fields)]
+struct ExceedsJson {
+    /// The limit.
+    limit: Word<ExceededLimit>,
+    /// At how many joints of legs.
+    joints: u64,
+    /// The greatest jump there of the yaw rate, rad/s.
+    jump: f64,
+}
+
+impl From<Exceeds> for ExceedsJson {
+    fn from(Exceeds { limit, joints, jump }: Exceeds) -> Self {
+        Self { limit: Word(limit), joints, jump }
+    }
+}
+
+impl From<ExceedsJson> for Exceeds {
+    fn from(ExceedsJson { limit: Word(limit), joints, jump }: ExceedsJson) -> Self {
+        Self { limit, joints, jump }
+    }
 }
 
 impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
@@ -69,6 +100,7 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
             channels,
             legs,
             samples,
+            exceeds,
         } = trajectory;
         Self {
             gap: GapsJson { gaps: gaps.into(), each: *gaps_per_junction as usize },
@@ -82,6 +114,7 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
             clearance: (*clearance).into(),
             free_clearance: free_clearance.map(Distance),
             legs: legs.as_slice().into(),
+            exceeds: exceeds.map(ExceedsJson::from),
             samples: SamplesJson {
                 samples: samples.into(),
                 dimension: (*dimension as usize).min(Vector::MOST),
@@ -104,6 +137,7 @@ impl TrajectoryJson<'_> {
             clearance,
             free_clearance,
             legs,
+            exceeds,
             samples,
         } = self;
         let clearance = Clearance::from(clearance);
@@ -130,6 +164,7 @@ impl TrajectoryJson<'_> {
             channels: channels.map_or_else(Vec::new, Vec::from),
             legs: legs.into(),
             samples: samples.into_owned(),
+            exceeds: exceeds.map(Exceeds::from),
         })
     }
 }

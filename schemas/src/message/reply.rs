@@ -76,6 +76,29 @@ pub struct Trajectory {
     pub legs: Vec<Leg>,
     /// States of the motion, times strictly increasing.
     pub samples: Vec<Sample>,
+    /// The limit that the motion does not obey, if the request asks how corners are passed or for
+    /// a full report.
+    pub exceeds: Option<Exceeds>,
+}
+
+/// A limit that a motion does not obey.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Exceeds {
+    /// The limit.
+    pub limit: ExceededLimit,
+    /// At how many joints of legs.
+    pub joints: u64,
+    /// The greatest jump there of what the limit bounds the rate of, rad/s.
+    pub jump: f64,
+}
+
+named! {
+/// A limit that a motion may not obey.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ExceededLimit {
+    /// The yaw rate jumps where the curvature does.
+    YawAcceleration = "yaw_acceleration",
+}
 }
 
 /// A trajectory with nothing in it, complete.
@@ -96,6 +119,7 @@ impl Default for Trajectory {
             channels: Vec::new(),
             legs: Vec::new(),
             samples: Vec::new(),
+            exceeds: None,
         }
     }
 }

@@ -20,9 +20,10 @@ pub struct SceneRequest {
     pub body: Body,
     /// Assembly tasks: ways out of the part to try; `+z` if empty.
     pub exit: Vec<Direction>,
-    /// Driving: where the robot stands.
+    /// Where the motion begins. Assembly tasks: the displacement from the assembled state or, with
+    /// frames, where the moving part's frame is; by default where the task says.
     pub start: Option<Pose>,
-    /// Driving: where it goes.
+    /// Where it ends, likewise.
     pub goal: Option<Goal>,
     /// Driving: how the robot takes up its first heading; by default in place.
     pub start_turn: Option<StartTurn>,
@@ -48,6 +49,13 @@ pub struct SceneRequest {
     pub sampling: Option<Sampling>,
     /// Seconds from arrival within which the answer is useful.
     pub deadline: Option<f64>,
+    /// Assembly tasks: where the parts stand in the base frame.
+    pub frames: Option<Frames>,
+    /// How the body passes from one straight leg to the next; by default sharp for parts, arcs for
+    /// robots.
+    pub corners: Option<Corners>,
+    /// Driving: whether the robot stops wherever a leg meets another of a different curvature.
+    pub stop_at_joints: Option<bool>,
 }
 
 impl SceneRequest {
@@ -85,6 +93,9 @@ impl SceneRequest {
             limits: Limits::default(),
             sampling: None,
             deadline: None,
+            frames: None,
+            corners: None,
+            stop_at_joints: None,
         }
     }
 }
@@ -222,12 +233,12 @@ pub enum Direction {
 }
 }
 
-/// Where the robot stands.
+/// Where the robot stands, or where a part's frame is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
-    /// The footprint's reference point, metres.
+    /// The footprint's reference point, or the frame's origin, metres.
     pub position: Vector,
-    /// Radians counter-clockwise from +x.
+    /// Radians counter-clockwise from +x; in (x, z) from +x towards +z.
     pub heading: f64,
 }
 
@@ -290,6 +301,42 @@ pub enum ClearanceWish {
     AtLeast(f64),
 }
 
+/// Where the parts of an assembly scene stand in the base frame. Channels, solids and the exit are
+/// in the fixed part's frame, the body in the moving part's (paper, section 4).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Frames {
+    /// The fixed (female) part.
+    pub fixed: Pose,
+    /// The fixed part at the end of the motion, if it does not stay where it is.
+    pub fixed_at_end: Option<Pose>,
+    /// The moving (male) part in the assembled state; by default where the fixed part is then.
+    pub moving: Option<Pose>,
+    /// What the samples are given in; by default as displacements.
+    pub samples: Option<SampleFrame>,
+}
+
+named! {
+/// What the samples of an assembly task are given in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum SampleFrame {
+    /// The fixed part's frame: displacements from the assembled state.
+    Fixed = "fixed",
+    /// The base frame: poses of the moving part's frame.
+    Base = "base",
+}
+}
+
+named! {
+/// How the body passes from one straight leg to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Corners {
+    /// It stops at every way-point.
+    Sharp = "sharp",
+    /// Along arcs.
+    Arc = "arc",
+}
+}
+
 /// How fast the body may move; a limit that is not given has its default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Limits {
@@ -303,6 +350,10 @@ pub struct Limits {
     pub yaw_acceleration: Option<f64>,
     /// Across the path, m/s²; default 0.5.
     pub lateral_acceleration: Option<f64>,
+    /// Along the path, m/s³; by default there is none.
+    pub jerk: Option<f64>,
+    /// While turning in place, rad/s³; by default there is none.
+    pub yaw_jerk: Option<f64>,
 }
 
 /// Where the motion is sampled. The ends of all legs are always samples.

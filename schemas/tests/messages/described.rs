@@ -4,9 +4,10 @@
 use proptest::prelude::*;
 use schemas::codec;
 use schemas::message::{
-    AxisBox, Body, Choice, Clearance, ClearanceWish, Curve, Digest, ErrorCode, Footprint,
-    FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal, ReplyPart, Report, Request, RequestContent,
-    RequestKey, Rule, Sample, Sampling, SceneRequest, Solid, StartTurn, Trajectory, Vector,
+    AxisBox, Body, Choice, Clearance, ClearanceWish, Corners, Curve, Digest, ErrorCode,
+    ExceededLimit, Exceeds, Footprint, Frames, FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal,
+    ReplyPart, Report, Request, RequestContent, RequestKey, Rule, Sample, SampleFrame, Sampling,
+    SceneRequest, Solid, StartTurn, Trajectory, Vector,
 };
 
 use super::strategies::{
@@ -90,6 +91,10 @@ fn read_request(from: &mut Bytes) -> Request {
     }
 }
 
+fn read_pose(from: &mut Bytes) -> Pose {
+    Pose { position: from.vector(), heading: from.f64() }
+}
+
 fn read_scene(from: &mut Bytes) -> SceneRequest {
     let id = from.option(Bytes::u64);
     let task = from.one_of(&TASKS);
@@ -115,7 +120,7 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
             other => panic!("{other}"),
         },
         exit: from.list(|from| from.one_of(&DIRECTIONS)),
-        start: from.option(|from| Pose { position: from.vector(), heading: from.f64() }),
+        start: from.option(read_pose),
         goal: from
             .option(|from| Goal { position: from.vector(), heading: from.option(Bytes::f64) }),
         start_turn: from.option(|from| from.one_of(&[StartTurn::InPlace, StartTurn::WhileMoving])),
@@ -146,6 +151,8 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
             yaw_rate: from.option(Bytes::f64),
             yaw_acceleration: from.option(Bytes::f64),
             lateral_acceleration: from.option(Bytes::f64),
+            jerk: from.option(Bytes::f64),
+            yaw_jerk: from.option(Bytes::f64),
         },
         sampling: from.option(|from| match from.u32() {
             0 => Sampling::Period(from.f64()),
@@ -154,6 +161,14 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
             other => panic!("{other}"),
         }),
         deadline: from.option(Bytes::f64),
+        frames: from.option(|from| Frames {
+            fixed: read_pose(from),
+            fixed_at_end: from.option(read_pose),
+            moving: from.option(read_pose),
+            samples: from.option(|from| from.one_of(&[SampleFrame::Fixed, SampleFrame::Base])),
+        }),
+        corners: from.option(|from| from.one_of(&[Corners::Sharp, Corners::Arc])),
+        stop_at_joints: from.option(Bytes::bool),
     }
 }
 
@@ -215,6 +230,11 @@ fn read_trajectory(from: &mut Bytes) -> Trajectory {
             heading: from.f64(),
             velocity: [from.f64(), from.f64(), from.f64()],
             yaw_rate: from.f64(),
+        }),
+        exceeds: from.option(|from| Exceeds {
+            limit: from.one_of(&[ExceededLimit::YawAcceleration]),
+            joints: from.u64(),
+            jump: from.f64(),
         }),
     }
 }

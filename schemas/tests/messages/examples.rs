@@ -23,7 +23,7 @@ pub(crate) const SECTION_4: &str = r#"{
 }"#;
 
 /// By name: every form of every field is in one of them.
-pub(crate) const SCENES: [(&str, &str); 8] = [
+pub(crate) const SCENES: [(&str, &str); 9] = [
     ("section-4", SECTION_4),
     (
         "assemble-from-solids",
@@ -85,7 +85,23 @@ pub(crate) const SCENES: [(&str, &str); 8] = [
         "start": {"position": [1, 2], "heading": 0}, "goal": {"position": [3, 4]},
         "reverse": false, "turn_in_place": true, "clearance": { "at_least": 0.25 } }"#,
     ),
+    (
+        "assemble-in-frames",
+        r#"{ "task": "assemble", "free_space": { "channels": [
+            {"half_spaces": [{"axis": "x", "at_least": 0}, {"axis": "x", "at_most": 3},
+                {"axis": "z", "at_least": 0}, {"axis": "z", "at_most": 4}]} ] },
+        "body": { "box": {"min": [1, 1], "max": [2, 2]} },
+        "start": {"position": [13, 3]}, "goal": {"position": [12, -6]},
+        "clearance": "safest", "limits": { "jerk": 2, "yaw_jerk": 3 },
+        "frames": { "fixed": {"position": [12, -6], "heading": 0.5},
+            "fixed_at_end": {"position": [14, 1], "heading": 0},
+            "moving": {"position": [12, -5], "heading": -1}, "samples": "base" },
+        "corners": "arc", "stop_at_joints": true }"#,
+    ),
 ];
+
+/// How many of [`SCENES`] recordings of version 2 can say.
+pub(crate) const SCENES_OF_VERSION_2: usize = 8;
 
 /// How many of [`SCENES`] version 1 can say.
 pub(crate) const OLD_SCENES: usize = 6;
@@ -152,6 +168,7 @@ pub(crate) fn assembly() -> Trajectory {
             line([0.0, 0.0], [0.0, 1.5], 1.5, Some(0)),
             line([0.0, 1.5], [-2.0, 1.5], 2.0, None),
         ],
+        exceeds: None,
         samples: vec![sample(0.0, 0.0, 0.0), sample(6.25, -2.0, 1.5)],
     }
 }
@@ -185,6 +202,7 @@ pub(crate) fn assembly_3d() -> Trajectory {
             reverse: false,
             rung: None,
         }],
+        exceeds: None,
         samples: vec![Sample {
             t: 4.0,
             position: [1.0, 2.0, 2.0],
@@ -231,6 +249,7 @@ pub(crate) fn driving() -> Trajectory {
             leg(line, 15.0, 0.75, Some(0)),
             leg(arc, 2.25, 0.2, Some(0)),
         ],
+        exceeds: None,
         samples: vec![Sample {
             t: 0.5,
             position: [1.5, 2.0, 0.0],
@@ -340,6 +359,7 @@ pub(crate) fn write(part: &ReplyPart, sink: &mut Parts) {
                 free_clearance: trajectory.free_clearance,
                 complete: trajectory.complete,
             });
+            header.set_exceeds(trajectory.exceeds);
             let writer = TrajectoryWriter {
                 gaps: trajectory.gaps.iter().copied(),
                 route: trajectory.route.iter().copied(),

@@ -142,10 +142,11 @@ proptest! {
         let header = convert::header_of(&header);
         check_scene(&header, &cells);
         let known = RequestHeader {
-            version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 24),
+            version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 32),
             task: header.task % 3, body_kind: header.body_kind % 3, start_turn: 0,
             sampling_kind: 0, wish_kind: header.wish_kind % 3, exits: header.exits % 2,
-            reserved: 0, switches: header.switches % 4, report: 0, ..header
+            reserved: 0, switches: header.switches % 8, report: 0, corners: header.corners % 2,
+            sample_frame: header.sample_frame % 2, ..header
         };
         check_scene(&known, &cells);
     }
@@ -295,7 +296,7 @@ fn check_scene_refused(text: &str, change: impl FnOnce(&mut RequestHeader), expe
 
 #[test]
 fn contradictions_are_refused() {
-    let [(_, section_4), (_, solids), (_, spatial), (_, drive), _, (_, curve), (_, anywhere), _] =
+    let [(_, section_4), (_, solids), (_, spatial), (_, drive), _, (_, curve), (_, anywhere), _, _] =
         examples::SCENES;
     let known = "; the greatest known value is";
     check_scene_refused(
@@ -310,11 +311,11 @@ fn contradictions_are_refused() {
     );
     check_scene_refused(
         section_4,
-        |header| header.given = 1 << 24,
-        &format!("given is 16777216{known} 16777215"),
+        |header| header.given = 1 << 32,
+        &format!("given is 4294967296{known} 4294967295"),
     );
     check_scene_refused(anywhere, |header| header.report = 1, &format!("report is 1{known} 0"));
-    check_scene_refused(anywhere, |header| header.switches = 4, &format!("switches is 4{known} 3"));
+    check_scene_refused(anywhere, |header| header.switches = 8, &format!("switches is 8{known} 7"));
     check_scene_refused(section_4, |header| header.task = 3, &format!("task is 3{known} 2"));
     check_scene_refused(
         section_4,
@@ -329,10 +330,8 @@ fn contradictions_are_refused() {
     check_scene_refused(solids, |header| header.given &= !schemas::wire::given::SOLIDS, none);
     let corners = "body_points is 1, must be 2 for a box";
     check_scene_refused(spatial, |header| header.body_points = 1, corners);
-    let planar = "dimension is 3, must be 2 with a start or a goal";
-    check_scene_refused(drive, |header| header.dimension = 3, planar);
     let planar = "dimension is 3, must be 2 for a footprint";
-    check_scene_refused(drive, |header| (header.dimension, header.given) = (3, 0), planar);
+    check_scene_refused(drive, |header| header.dimension = 3, planar);
     let points = "body_points is 2, must be 1 for a footprint";
     check_scene_refused(drive, |header| header.body_points = 2, points);
     let one = "choices is 1, must be 0 for a curve";

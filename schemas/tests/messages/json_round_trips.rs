@@ -252,6 +252,6 @@ fn faults_of_replies_are_named() {
         r#""length":1,"error":{"#,
         "trajectories[1].error",
         "is not a known field; expected one of `gap`, `route`, `channels`, `exit`, `length`, \
-         `bound`, `complete`, `duration`, `clearance`, `free_clearance`, `legs`, `samples`",
+         `bound`, `complete`, `duration`, `clearance`, `free_clearance`, `legs`, `exceeds`, `samples`",
     );
 }

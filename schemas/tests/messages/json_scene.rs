@@ -276,7 +276,8 @@ fn unknown_fields_are_named() {
         check_refused(&with(field, value), path, &message);
     };
     let scene = "id task free_space body exit start goal start_turn reverse turn_in_place \
-                 min_turn_radius turn_cost stop_cost report clearance limits sampling deadline";
+                 min_turn_radius turn_cost stop_cost report clearance limits sampling deadline \
+                 frames corners stop_at_joints";
     check("colour", "1", "colour", scene);
     check("", "1", "scene.\"\"", scene);
     check(&"x".repeat(99), "1", &format!("{}…", "x".repeat(60)), scene);
@@ -297,8 +298,10 @@ fn unknown_fields_are_named() {
     check("clearance", r#"{"gap_": 1}"#, "clearance.gap_", "gap gaps each curve at_least");
     let each = r#"{"each": [0.2, {"curve": 1}]}"#;
     check("clearance", each, "clearance.each[1].curve", "gap gaps at_least");
-    let limits = "speed acceleration yaw_rate yaw_acceleration lateral_acceleration";
-    check("limits", r#"{"jerk": 1}"#, "limits.jerk", limits);
+    let limits = "speed acceleration yaw_rate yaw_acceleration lateral_acceleration jerk yaw_jerk";
+    check("limits", r#"{"snap": 1}"#, "limits.snap", limits);
+    let frames = "fixed fixed_at_end moving samples";
+    check("frames", r#"{"part": 1}"#, "frames.part", frames);
     check("sampling", r#"{"step": 1}"#, "sampling.step", "period spacing count");
 }
 
@@ -315,7 +318,9 @@ fn missing_fields_are_named() {
     check(&with("body", r#"{"footprint": {"width": 1}}"#), "body.footprint.length");
     check(&with("body", r#"{"footprint": {"width": 1, "front": 1}}"#), "body.footprint.rear");
     check(&with("body", r#"{"footprint": {"width": 1, "rear": 1}}"#), "body.footprint.front");
-    check(&with("start", r#"{"position": [1, 2]}"#), "start.heading");
+    let start = with("start", r#"{"position": [1, 2]}"#);
+    check(&start.replacen("disassemble", "drive", 1), "start.heading");
+    check(&with("frames", r#"{"samples": "base"}"#), "frames.fixed");
     check(&with("goal", r#"{"heading": 1}"#), "goal.position");
 }
 
@@ -474,7 +479,7 @@ fn what_surrounds_a_scene_is_refused() {
     assert!(json::read_scene(&format!(" \r\n\t{text}\n\n")).is_ok());
     let list = json::read_scene("[7]").unwrap_err();
     assert_eq!(list.id, None);
-    assert!(list.refusal.message.ends_with("`deadline`, not a list of 1"), "{list:?}");
+    assert!(list.refusal.message.ends_with("`stop_at_joints`, not a list of 1"), "{list:?}");
     assert!(list.refusal.message.starts_with("scene must be an object with `id`, `task`"));
 }
 

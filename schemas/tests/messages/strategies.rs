@@ -4,9 +4,10 @@ use proptest::collection::vec;
 use proptest::option::of;
 use proptest::prelude::*;
 use schemas::message::{
-    Answer, AxisBox, Body, Choice, Clearance, ClearanceWish, Curve, Digest, Direction, ErrorCode,
-    Footprint, FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal, ReplyPart, Report, RequestKey,
-    Rule, Rung, Sample, Sampling, SceneRequest, Solid, StartTurn, Task, Trajectory, Vector,
+    Answer, AxisBox, Body, Choice, Clearance, ClearanceWish, Corners, Curve, Digest, Direction,
+    ErrorCode, ExceededLimit, Exceeds, Footprint, Frames, FreeSpace, Gap, Goal, Leg, Limits, Pose,
+    Refusal, ReplyPart, Report, RequestKey, Rule, Rung, Sample, SampleFrame, Sampling,
+    SceneRequest, Solid, StartTurn, Task, Trajectory, Vector,
 };
 
 pub(crate) type Numbers = BoxedStrategy<f64>;
@@ -104,10 +105,26 @@ fn sampling(numbers: &Numbers) -> BoxedStrategy<Sampling> {
 
 fn limits(numbers: &Numbers) -> BoxedStrategy<Limits> {
     let limit = || of(numbers.clone());
-    (limit(), limit(), limit(), limit(), limit())
-        .prop_map(|(speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration)| {
-            Limits { speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration }
-        })
+    (limit(), limit(), limit(), limit(), limit(), limit(), limit())
+        .prop_map(
+            |(
+                speed,
+                acceleration,
+                yaw_rate,
+                yaw_acceleration,
+                lateral_acceleration,
+                jerk,
+                yaw_jerk,
+            )| Limits {
+                speed,
+                acceleration,
+                yaw_rate,
+                yaw_acceleration,
+                lateral_acceleration,
+                jerk,
+                yaw_jerk,
+            },
+        )
         .boxed()
 }
 
@@ -145,21 +162,32 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
         true => prop_oneof![solid_body, footprint].boxed(),
         false => solid_body.boxed(),
     };
-    let position = vector(numbers, 2);
-    let start = (position.clone(), numbers.clone())
+    let position = vector(numbers, dimension);
+    let pose = (position.clone(), numbers.clone())
         .prop_map(|(position, heading)| Pose { position, heading });
-    let goal =
-        (position, of(numbers.clone())).prop_map(|(position, heading)| Goal { position, heading });
+    // In space nothing turns.
+    let start = pose.clone().prop_map(move |pose| match planar {
+        true => pose,
+        false => Pose { heading: 0.0, ..pose },
+    });
+    let goal = (position, of(numbers.clone())).prop_map(move |(position, heading)| Goal {
+        position,
+        heading: heading.filter(|_| planar),
+    });
+    let frame = of(one_of(&[SampleFrame::Fixed, SampleFrame::Base]));
+    let frames = (pose.clone(), of(pose.clone()), of(pose), frame).prop_map(
+        |(fixed, fixed_at_end, moving, samples)| Frames { fixed, fixed_at_end, moving, samples },
+    );
     let what = (
         of(any::<u64>()),
         one_of(&TASKS),
         free_space,
         body,
         vec(one_of(&DIRECTIONS), 0..4),
-        of(start).prop_map(move |start| start.filter(|_| planar)),
+        of(start),
     );
     let how = (
-        of(goal).prop_map(move |goal| goal.filter(|_| planar)),
+        of(goal),
         of(one_of(&[StartTurn::InPlace, StartTurn::WhileMoving])),
         wish(numbers),
         limits(numbers),
@@ -171,13 +199,24 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
         of(any::<bool>()),
         [of(numbers.clone()), of(numbers.clone()), of(numbers.clone())],
         of(Just(Report::Full)),
+        of(frames),
+        of(one_of(&[Corners::Sharp, Corners::Arc])),
+        of(any::<bool>()),
     );
     (what, how, manner)
         .prop_map(
             |(
                 (id, task, free_space, body, exit, start),
                 (goal, start_turn, clearance, limits, sampling, deadline),
-                (reverse, turn_in_place, [min_turn_radius, turn_cost, stop_cost], report),
+                (
+                    reverse,
+                    turn_in_place,
+                    [min_turn_radius, turn_cost, stop_cost],
+                    report,
+                    frames,
+                    corners,
+                    stop_at_joints,
+                ),
             )| SceneRequest {
                 id,
                 task,
@@ -197,6 +236,9 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
                 limits,
                 sampling,
                 deadline,
+                frames,
+                corners,
+                stop_at_joints,
             },
         )
         .boxed()
@@ -261,7 +303,7 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
         of(one_of(&DIRECTIONS)),
         [number(), number(), number(), number()],
         vector(numbers, dimension),
-        (of(number()), any::<bool>(), of(number())),
+        (of(number()), any::<bool>(), of(number()), of((any::<u32>(), number()))),
     );
     let lists = (
         vec(number(), 0..5),
@@ -278,7 +320,7 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
                     exit,
                     [length, duration, value, at],
                     wall,
-                    (bound, complete, free_clearance),
+                    (bound, complete, free_clearance, exceeds),
                 ),
                 (gaps, route, channels, legs, samples),
             )| Trajectory {
@@ -296,6 +338,11 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
                 channels,
                 legs,
                 samples,
+                exceeds: exceeds.map(|(joints, jump)| Exceeds {
+                    limit: ExceededLimit::YawAcceleration,
+                    joints: joints.into(),
+                    jump,
+                }),
             },
         )
         .boxed()

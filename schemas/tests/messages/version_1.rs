@@ -121,7 +121,7 @@ proptest! {
         examples::write(&examples::of_answer(Ok(trajectory.clone())), &mut sink);
         let (header, cells) = downgraded(&sink.0[0]);
         let mut expected = Trajectory {
-            bound: None, complete: true, free_clearance: None, ..trajectory
+            bound: None, complete: true, free_clearance: None, exceeds: None, ..trajectory
         };
         for leg in &mut expected.legs {
             (leg.reverse, leg.rung) = (false, None);
@@ -167,8 +167,8 @@ fn an_unreadable_request_of_an_old_recording_is_answered_as_it_was() {
 #[test]
 fn later_versions_are_refused_with_both_numbers() {
     let bytes = codec::encode(&examples::of_answer(Err(examples::refusal())));
-    for version in [0, 3] {
-        let expected = format!("the message has version {version}; versions 1 to 2 are supported");
+    for version in [0, 4] {
+        let expected = format!("the message has version {version}; versions 1 to 3 are supported");
         assert_eq!(codec::decode_reply(version, &bytes).unwrap_err().to_string(), expected);
         assert_eq!(codec::decode_request(version, &bytes).unwrap_err().to_string(), expected);
     }

@@ -2,9 +2,9 @@
 
 use planning::budget::{Budget, Spent};
 use planning::motion::Leg;
-use planning::trajectory::{Limits, Profile, Sampling, Stops};
+use planning::trajectory::{Limits, Profile, Sampling, Stops, YawJumps};
 use schemas::convert::PartSink;
-use schemas::message::Refusal;
+use schemas::message::{ExceededLimit, Exceeds, Refusal};
 use schemas::wire::{LEG_CELLS, SAMPLE_CELLS};
 
 use crate::Caps;
@@ -94,13 +94,29 @@ pub(crate) struct Pace {
     stops: Stops,
     /// `None`: at none.
     sampling: Option<Sampling>,
+    /// Whether the reply says which limit is not obeyed.
+    tells_exceeding: bool,
 }
 
 impl Pace {
+    /// The limit that a robot's motion does not obey, where the request wants to know.
+    pub(crate) fn exceeded<const D: usize>(
+        &self,
+        legs: &[Leg<D>],
+        profile: &Profile,
+    ) -> Option<Exceeds> {
+        let YawJumps { joints, greatest } =
+            self.tells_exceeding.then(|| profile.yaw_jumps(legs)).flatten()?;
+        let limit = ExceededLimit::YawAcceleration;
+        Some(Exceeds { limit, joints: joints as u64, jump: greatest })
+    }
+
     pub(crate) fn of(scene: Scene<'_>, wishes: &Wishes<'_>, stops: Stops) -> Result<Self, Refusal> {
         let limits = check::limits(&scene.limits)?;
+        let exceeding = scene.corners.is_some() || scene.report.is_some();
         let sampling = check::sampling(scene.sampling)?;
-        Ok(Self { limits, stops, sampling: wishes.sampled().then_some(sampling) })
+        let sampling = wishes.sampled().then_some(sampling);
+        Ok(Self { limits, stops, sampling, tells_exceeding: exceeding })
     }
 
     /// Plans the speed along a path. Refuses a trajectory that would have too many samples, and
@@ -131,6 +147,6 @@ impl Pace {
         legs: &'a [Leg<D>],
         profile: &'a Profile,
     ) -> States<'a, D> {
-        States(self.sampling.map(|sampling| profile.samples(legs, sampling)))
+        States::new(self.sampling.map(|sampling| profile.samples(legs, sampling)))
     }
 }

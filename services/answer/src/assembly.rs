@@ -13,7 +13,7 @@ use planning::route::{BodyMover, Mover, Router};
 use planning::trajectory::{Profile, Stops};
 use planning::translation::{self, Cavity, NoWay, Part};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Gap, Refusal, Task};
+use schemas::message::{self, Corners, Gap, Refusal, Task};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -26,8 +26,11 @@ use crate::stop::StopFlag;
 use crate::wish::{Gaps, Wish, Wishes};
 
 mod course;
+mod frames;
 
 use course::Course;
+use frames::Ends;
+pub(crate) use frames::Teller;
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
@@ -56,6 +59,8 @@ struct Terms<'a, const D: usize> {
     body: Body<'a, D>,
     /// What finds a way without channels, if anything does.
     slide: Option<Slide<D>>,
+    ends: &'a Ends<D>,
+    stops: Stops,
     pace: Pace,
 }
 
@@ -110,7 +115,8 @@ impl Assembly<2> {
     ) -> Result<(), Stop<S::Error>> {
         let Self { outline, buffers, memory } = self;
         let mut polygon = None;
-        let body = match &scene.body {
+        let ends = Ends::of(scene)?;
+        let body = match ends.body.as_ref().unwrap_or(&scene.body) {
             message::Body::Polygon(points) => {
                 let field = || "body.polygon".to_owned();
                 let checked = check::polygon(field, points, outline, resources.budget)?;
@@ -121,7 +127,7 @@ impl Assembly<2> {
             }
             message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
         };
-        let terms = Terms::new(scene, PLANE, (body, Some(slide)), wishes)?;
+        let terms = Terms::new(scene, PLANE, (body, Some(slide), &ends), wishes)?;
         let size = body.bounds().size();
         let shape = (size.as_slice(), body.is_box());
         let source = Source::read(scene, &PLANE, shape, buffers, &mut resources)?;
@@ -148,14 +154,15 @@ impl Assembly<3> {
         parts: &mut Parts<'_, S>,
     ) -> Result<(), Stop<S::Error>> {
         let Self { buffers, memory, .. } = self;
-        let body = match &scene.body {
+        let ends = Ends::of(scene)?;
+        let body = match ends.body.as_ref().unwrap_or(&scene.body) {
             message::Body::Box(sides) => {
                 Body::from_box(&check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?)
             }
             message::Body::Polygon(_) => return Err(check::flat("body.polygon".to_owned()).into()),
             message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
         };
-        let terms = Terms::new(scene, SPACE, (body, None), wishes)?;
+        let terms = Terms::new(scene, SPACE, (body, None, &ends), wishes)?;
         let size: Vector<3> = body.bounds().size();
         let shape = (size.as_slice(), body.is_box());
         let source = Source::read(scene, &SPACE, shape, buffers, &mut resources)?;
@@ -183,10 +190,19 @@ impl<'a, const D: usize> Terms<'a, D> {
     fn new(
         scene: Scene<'a>,
         axes: Axes,
-        (body, slide): (Body<'a, D>, Option<Slide<D>>),
+        (body, slide, ends): (Body<'a, D>, Option<Slide<D>>, &'a Ends<D>),
         wishes: &Wishes<'_>,
     ) -> Result<Self, Refusal> {
-        Ok(Self { scene, axes, body, slide, pace: Pace::of(scene, wishes, Stops::EveryLeg)? })
+        let stops = match scene.corners {
+            Some(Corners::Arc) if D == 2 => Stops::AtKinks,
+            Some(Corners::Arc) => {
+                let message = "corners: arcs are for two dimensions; in three, parts stop at every \
+                               way-point";
+                return Err(Refusal::invalid("corners", message));
+            }
+            _ => Stops::EveryLeg,
+        };
+        Ok(Self { scene, axes, body, slide, ends, stops, pace: Pace::of(scene, wishes, stops)? })
     }
 
     /// The free space for a way out, for a body of these bounds. Whatever is refused, no gap would
@@ -394,7 +410,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
     ) -> Result<(), Refused> {
         let Self { terms, ways, memory, resources, .. } = self;
         let Memory { gaps, course, .. } = &mut **memory;
-        let Terms { axes, body, .. } = &*terms;
+        let Terms { axes, body, ends, .. } = &*terms;
         let Some(WayOut { exit, .. }) = &ways[at] else { return Ok(()) };
         let budget = resources.budget;
         let asked = match (wish.gaps, gap_of(wish, gaps, budget)) {
@@ -420,7 +436,25 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         let way = slide(body, outlines, *exit, asked, budget)
             .map_err(|error| refuse::no_way(axes, wish.field(), asked, error))?;
         course.take(&way);
-        course.measure(body, outlines.walls(), budget)?;
+        if let (Some(outside), Some(out)) = (ends.outside, way.last()) {
+            let short = exit.coordinate(out) - exit.coordinate(&outside);
+            if short > 0.0 {
+                let task = terms.scene.task;
+                return Err(refuse::short_of_the_mouth(axes, task, *exit, short));
+            }
+            course.go_on(outside, exit.axis);
+        }
+        let walls = outlines.walls();
+        let near = course.measure(body, walls, budget)?;
+        if let Some(near) = near
+            && ends.outside.is_some()
+            && !course.is_free_outside(body, walls, budget)?
+        {
+            return Err(refuse::wall_in_the_way(&near).into());
+        }
+        if terms.stops == Stops::AtKinks {
+            course.round(body, walls, budget)?;
+        }
         Ok(())
     }
 
@@ -434,7 +468,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
     ) -> Result<(), Refused> {
         let Self { terms, source, ways, memory, resources, .. } = self;
         let Memory { complement, router, gaps, course, .. } = &mut **memory;
-        let Terms { axes, body, .. } = &*terms;
+        let Terms { axes, body, ends, .. } = &*terms;
         let Some(WayOut { exit, mouth, space, .. }) = &mut ways[at] else { return Ok(()) };
         let exit = *exit;
         let bounds = narrower.as_ref().unwrap_or(body.bounds());
@@ -470,14 +504,29 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         }
         // All other walls are the channels' own sides.
         let (has_solids, is_made) = (space.has_solids(), !space.made().is_empty());
-        let walls = space.walls(course.mouth(0.0), complement, resources)?;
+        let reach = match ends.outside {
+            Some(outside) => course
+                .beyond_the_mouth(body, &outside)
+                .map_err(|short| refuse::short_of_the_mouth(axes, terms.scene.task, exit, short))?,
+            None => 0.0,
+        };
+        let walls = space.walls(course.mouth(reach), complement, resources)?;
         let mut found = course.disassemble(body.bounds(), gap, budget);
         if let (Err(DisassemblyError::JunctionTooSmall { .. }), Some(narrower)) = (found, narrower)
         {
             found = course.disassemble(&narrower, gap, budget);
         }
         found.map_err(|error| refuse::disassembly(axes, wish.field(), error))?;
-        match course.measure(body, walls, budget)? {
+        if let Some(outside) = ends.outside {
+            course.go_on(outside, exit.axis);
+        }
+        let near = course.measure(body, walls, budget)?;
+        let checked = match near {
+            Some(near)
+                if ends.outside.is_some() && !course.is_free_outside(body, walls, budget)? =>
+            {
+                Err(refuse::wall_in_the_way(&near).into())
+            }
             Some(near)
                 if near.value <= 0.0
                     && has_solids
@@ -486,7 +535,11 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 Err(refuse::wall_in_the_way(&near).into())
             }
             _ => Ok(()),
+        };
+        if checked.is_ok() && terms.stops == Stops::AtKinks {
+            course.round(body, walls, budget)?;
         }
+        checked
     }
 }
 
@@ -506,7 +559,7 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
         let Memory { course, profile, .. } = &*self.memory;
         let Course { path, clearances, clearance, route, .. } = course;
-        let legs = path.legs();
+        let (legs, ends) = (path.legs(), self.terms.ends);
         let way = self.ways[self.chosen].as_ref();
         let made = self.made();
         let is_choice = self.terms.scene.exit.len() > 1;
@@ -515,8 +568,11 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
             gaps: (0..path.gaps().len() * D).map(|at| path.gaps()[at / D][at % D]),
             route: route.iter().map(|channel| *channel as u64),
             channels: parts::boxes(made),
-            legs: legs.iter().zip(clearances.iter()).map(|(leg, near)| parts::leg(leg, near.value)),
-            samples: self.terms.pace.states(legs, profile),
+            legs: legs
+                .iter()
+                .zip(clearances.iter())
+                .map(|(leg, near)| parts::leg(&ends.tell(leg), near.value)),
+            samples: self.terms.pace.states(legs, profile).told_by(ends.teller(legs, profile)),
         };
         let fill = |header: &mut ReplyHeader| {
             header.dimension = D as u32;

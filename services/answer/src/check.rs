@@ -8,7 +8,7 @@ use planning::geometry::number::Number;
 use planning::geometry::polygon::{Polygon, PolygonError};
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
 use planning::trajectory::{Limits, Sampling};
-use schemas::message::{self, ErrorCode, Refusal, Task};
+use schemas::message::{self, Corners, ErrorCode, Refusal, Task};
 
 use crate::refuse::{self, Axes, Refused};
 use crate::scene::Scene;
@@ -25,8 +25,6 @@ pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
     let drive = scene.task == Task::Drive;
     let limits = &scene.limits;
     let stray = [
-        ("start", scene.start.is_some() && !drive),
-        ("goal", scene.goal.is_some() && !drive),
         ("start_turn", scene.start_turn.is_some() && !drive),
         ("reverse", scene.reverse.is_some() && !drive),
         ("turn_in_place", scene.turn_in_place.is_some() && !drive),
@@ -37,11 +35,15 @@ pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
         ("limits.yaw_rate", limits.yaw_rate.is_some() && !drive),
         ("limits.yaw_acceleration", limits.yaw_acceleration.is_some() && !drive),
         ("limits.lateral_acceleration", limits.lateral_acceleration.is_some() && !drive),
+        ("limits.yaw_jerk", limits.yaw_jerk.is_some() && !drive),
+        ("stop_at_joints", scene.stop_at_joints.is_some() && !drive),
+        ("frames", scene.frames.is_some() && drive),
         ("exit", !scene.exit.is_empty() && drive),
     ];
     if let Some((field, _)) = stray.into_iter().find(|(_, stray)| *stray) {
         return Err(stray_field(field, scene.task));
     }
+    corners(scene)?;
     let free_space = &scene.free_space;
     if free_space.channels.is_none() {
         if free_space.solids.as_ref().is_none_or(Vec::is_empty) {
@@ -62,6 +64,18 @@ pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
         return Err(Refusal { has: Some(deadline), least: Some(0.0), ..refusal });
     }
     Ok(())
+}
+
+/// How corners can be passed.
+fn corners(scene: Scene<'_>) -> Result<(), Refusal> {
+    match (scene.task, scene.corners) {
+        (Task::Drive, Some(Corners::Sharp)) => {
+            let message = "corners: a robot passes corners along arcs; \"sharp\" is for assembly \
+                           tasks";
+            Err(Refusal::invalid("corners", message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A field of another task.
@@ -258,6 +272,7 @@ pub(crate) fn limits(limits: &message::Limits) -> Result<Limits, Refusal> {
         limits.yaw_acceleration.unwrap_or(default.yaw_acceleration()),
         limits.lateral_acceleration.unwrap_or(default.lateral_acceleration()),
     )
+    .and_then(|made| made.with_jerk(limits.jerk, limits.yaw_jerk))
     .map_err(refuse::limit)
 }
 

@@ -83,7 +83,11 @@ impl Driving {
         let Self { buffers, memory, anywhere } = self;
         let any_order = is_any_order(scene);
         let errand = Errand::of(scene, any_order)?;
-        let pace = Pace::of(scene, wishes, Stops::AtTurns)?;
+        let stops = match scene.stop_at_joints {
+            Some(true) => Stops::AtJoints,
+            _ => Stops::AtTurns,
+        };
+        let pace = Pace::of(scene, wishes, stops)?;
         if any_order {
             let budget = resources.budget;
             let space = (&mut *buffers, &mut memory.complement);
@@ -209,6 +213,7 @@ impl Job for DrivingJob<'_> {
             if let Some(certificate) = self.certificate {
                 header.set_certificate(certificate);
             }
+            header.set_exceeds(self.pace.exceeded(path.legs(), profile));
         };
         parts.trajectory(fill, lists, last)
     }

@@ -10,6 +10,8 @@ use schemas::convert::{self, CellWriter, PartSink, Samples, TrajectoryWriter};
 use schemas::message::{self, AxisBox, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey};
 use schemas::wire::{self, ReplyHeader, reported};
 
+use crate::assembly::Teller;
+
 /// A reply on its way: counts parts and answers.
 pub(crate) struct Parts<'a, S> {
     header: ReplyHeader,
@@ -106,16 +108,34 @@ fn rung(rung: motion::Rung) -> message::Rung {
 
 /// The states of a motion, if any are wanted, written from within: several times faster
 /// than one by one.
-pub(crate) struct States<'a, const D: usize>(pub(crate) Option<Sampler<'a, D>>);
+pub(crate) struct States<'a, const D: usize> {
+    sampler: Option<Sampler<'a, D>>,
+    teller: Option<Teller<'a, D>>,
+}
+
+impl<'a, const D: usize> States<'a, D> {
+    pub(crate) fn new(sampler: Option<Sampler<'a, D>>) -> Self {
+        Self { sampler, teller: None }
+    }
+
+    /// The same, told in another frame.
+    pub(crate) fn told_by(self, teller: Option<Teller<'a, D>>) -> Self {
+        Self { teller, ..self }
+    }
+}
 
 impl<const D: usize> Samples for States<'_, D> {
     fn left(&self) -> usize {
-        self.0.as_ref().map_or(0, Sampler::len)
+        self.sampler.as_ref().map_or(0, Sampler::len)
     }
 
     fn write(&mut self, count: usize, writer: &mut CellWriter) {
-        if let Some(states) = &mut self.0 {
-            states.for_next(count, |state| writer.push_pod(&sample(&state)));
+        let Some(states) = &mut self.sampler else { return };
+        match &mut self.teller {
+            None => states.for_next(count, |state| writer.push_pod(&sample(&state))),
+            Some(teller) => {
+                states.for_next(count, |state| writer.push_pod(&sample(&teller.tell(state))))
+            }
         }
     }
 }

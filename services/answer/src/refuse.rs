@@ -12,7 +12,7 @@ mod translation;
 mod words;
 
 pub(crate) use anywhere::{gap_per_junction, in_solid, no_motion, out_of_bounds};
-pub(crate) use assembly::{chain, disassembly, wall_in_the_way};
+pub(crate) use assembly::{chain, disassembly, short_of_the_mouth, wall_in_the_way};
 pub(crate) use blocked::blocked;
 pub(crate) use cost::{answers, cells, too_many_samples};
 pub(crate) use driving::{driving, less_gap};

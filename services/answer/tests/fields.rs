@@ -47,8 +47,9 @@ fn fields_of_another_task_are_refused() {
     for limit in ["yaw_rate", "yaw_acceleration", "lateral_acceleration"] {
         check_stray(PART, &format!("limits.{limit}"), "1");
     }
-    check_stray(PART, "start", r#"{ "position": [1, 1], "heading": 0 }"#);
-    check_stray(PART, "goal", r#"{ "position": [1, 1] }"#);
+    check_stray(PART, "limits.yaw_jerk", "1");
+    check_stray(PART, "stop_at_joints", "false");
+    check_stray(DRIVE, "frames", r#"{ "fixed": { "position": [1, 1], "heading": 0 } }"#);
     check_stray(PART, "start_turn", r#""in_place""#);
     check_stray(PART, "reverse", "false");
     check_stray(PART, "turn_in_place", "true");

@@ -4,7 +4,10 @@ use std::mem::offset_of;
 
 use super::Words::{Bits, Codes};
 use super::{Field, Item, Layout, Payload, Section, Structure, Words, field};
-use crate::message::{Axis, CurveKind, Direction, ErrorCode, Report, Rung, StartTurn, Task};
+use crate::message::{
+    Axis, Corners, CurveKind, Direction, ErrorCode, ExceededLimit, Report, Rung, SampleFrame,
+    StartTurn, Task,
+};
 use crate::wire::{
     Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present, reported, switch,
 };
@@ -17,7 +20,7 @@ offset in bytes, type, field. Payloads are cells of 8 bytes, items in the order 
 What a bit or a count declares absent is not read. D is the header's dimension.
 ";
 
-const GIVEN: [(&str, u64); 24] = [
+const GIVEN: [(&str, u64); 32] = [
     ("id", given::ID),
     ("channels", given::CHANNELS),
     ("in_order", given::IN_ORDER),
@@ -42,16 +45,28 @@ const GIVEN: [(&str, u64); 24] = [
     ("report", given::REPORT),
     ("rear", given::REAR),
     ("named", given::NAMED),
+    ("frames", given::FRAMES),
+    ("fixed_at_end", given::FIXED_AT_END),
+    ("moving", given::MOVING),
+    ("sample_frame", given::SAMPLE_FRAME),
+    ("corners", given::CORNERS),
+    ("stop_at_joints", given::STOP_AT_JOINTS),
+    ("jerk", given::JERK),
+    ("yaw_jerk", given::YAW_JERK),
 ];
 
-const SWITCHES: [(&str, u64); 2] =
-    [("reverse", switch::REVERSE as u64), ("turn_in_place", switch::TURN_IN_PLACE as u64)];
+const SWITCHES: [(&str, u64); 3] = [
+    ("reverse", switch::REVERSE as u64),
+    ("turn_in_place", switch::TURN_IN_PLACE as u64),
+    ("stop_at_joints", switch::STOP_AT_JOINTS as u64),
+];
 
-const REPORTED: [(&str, u64); 4] = [
+const REPORTED: [(&str, u64); 5] = [
     ("id", reported::ID as u64),
     ("bound", reported::BOUND as u64),
     ("free_clearance", reported::FREE_CLEARANCE as u64),
     ("incomplete", reported::INCOMPLETE as u64),
+    ("exceeds", reported::EXCEEDS as u64),
 ];
 
 const PRESENT: [(&str, u64); 9] = [
@@ -132,7 +147,7 @@ pub(super) const LAYOUT: Layout = Layout { version: VERSION, sections: SECTIONS 
 const SECTIONS: &[Section] = &[
     structure!(RequestHeader: "the user header of a request"
         version: "2"
-        dimension: "2 or 3; 2 with a footprint, a start or a goal"
+        dimension: "2 or 3; 2 with a footprint"
         client: "the client's nonce"
         sequence: "counts the client's requests"
         sent_ns: "nanoseconds since the Unix epoch"
@@ -149,8 +164,8 @@ const SECTIONS: &[Section] = &[
         sampling: "f64 bits in s or m, or the count"
         limits: "speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration; SI units"
         deadline: "s from arrival"
-        start: "x, y (m), heading (rad)"
-        goal: "x, y (m), heading (rad)"
+        start: "x, y (m), heading (rad); if D is 3: x, y, z"
+        goal: "x, y (m), heading (rad); if D is 3: x, y, z"
         bounds: "D of the least corner, then D of the greatest; m"
         curve: "points"
         choices: "entries in the payload: 1 for one choice, 0 for a curve"
@@ -163,7 +178,12 @@ const SECTIONS: &[Section] = &[
         turn_cost: "m per rad"
         stop_cost: "m per stop"
         rear: "m; with it the footprint in the payload is width, front"
-        named: "SHA-256 of the free space"),
+        named: "SHA-256 of the free space"
+        frames: "the fixed part, the fixed part at the end, the moving part: each D f64 (m), zeros, \
+            heading (rad) last"
+        sample_frame (Codes(SampleFrame::NAMES)): ""
+        corners (Codes(Corners::NAMES)): ""
+        jerks: "jerk (m/s3), yaw jerk (rad/s3)"),
     payload!("Request": "the payload of a request"
         "exit" ["exits"] (Codes(Direction::NAMES)): "u64", ""
         "choice" ["choices"]: "Choice", ""
@@ -213,7 +233,10 @@ const SECTIONS: &[Section] = &[
         samples: "entries in the payload"
         refusal: "cells of the payload, if kind is 1"
         bound: "m"
-        free_clearance: "m"),
+        free_clearance: "m"
+        exceeds (Codes(ExceededLimit::NAMES)): ""
+        exceeds_joints: "a count"
+        exceeds_jump: "rad/s"),
     payload!("Trajectory": "the payload if kind is 0; lists continue in the answer's next part"
         "gap" ["gaps"]: "f64", "m"
         "channel index" ["route"]: "u64", ""

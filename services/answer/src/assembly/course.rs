@@ -6,8 +6,9 @@ use planning::clearance::translating::{Body, clearance_body_legs};
 use planning::disassembly::{DisassemblyError, DisassemblyPath, Gap, disassemble};
 use planning::free_space::walls::Walls;
 use planning::free_space::{Chain, ChainError, End, Mouth};
-use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
-use planning::motion::Curve;
+use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
+use planning::motion::{Curve, Leg};
+use planning::trajectory::round_corners;
 
 /// The channels travelled, the path through them, and how close it comes to the walls.
 #[derive(Debug, Default)]
@@ -23,6 +24,8 @@ pub(super) struct Course<const D: usize> {
     /// Of the legs, and of the whole motion; none where there are no walls.
     pub(super) clearances: Vec<Clearance<D>>,
     pub(super) clearance: Option<Clearance<D>>,
+    /// Memory for legs whose corners are rounded.
+    rounded: Vec<Leg<D>>,
 }
 
 impl<const D: usize> Course<D> {
@@ -36,7 +39,8 @@ impl<const D: usize> Course<D> {
         let route = self.route.capacity() * size_of::<usize>();
         let travelled = self.travelled.capacity() * size_of::<AxisBox<D>>();
         let clearances = self.clearances.capacity() * size_of::<Clearance<D>>();
-        route + travelled + clearances + self.chain.bytes() + self.path.bytes()
+        let rounded = self.rounded.capacity() * size_of::<Leg<D>>();
+        route + travelled + clearances + rounded + self.chain.bytes() + self.path.bytes()
     }
 
     /// The cells that its gaps and its route take in a reply.
@@ -107,6 +111,44 @@ impl<const D: usize> Course<D> {
         disassemble(&self.chain, body, gap, &mut self.path, budget)
     }
 
+    /// How far a body at this displacement is beyond the mouth with its last side, metres; or how
+    /// far it is short of it.
+    pub(super) fn beyond_the_mouth(&self, body: &Body<'_, D>, at: &Vector<D>) -> Result<f64, f64> {
+        let Some(HalfSpace { side, bound }) = self.chain.mouth() else { return Ok(0.0) };
+        let body = body.bounds().translated(at);
+        let beyond = match side.sign {
+            Sign::Negative => body.min()[side.axis] - bound,
+            Sign::Positive => bound - body.max()[side.axis],
+        };
+        if beyond < 0.0 { Err(-beyond) } else { Ok(beyond) }
+    }
+
+    /// Goes on from the mouth to a place beyond it, `axis` being the exit's.
+    pub(super) fn go_on(&mut self, to: Vector<D>, axis: usize) {
+        self.path.go_on(to, axis);
+    }
+
+    /// Whether the body stays free on the last leg, beyond the mouth.
+    pub(super) fn is_free_outside(
+        &self,
+        body: &Body<'_, D>,
+        walls: &Walls<D>,
+        budget: &Budget<'_>,
+    ) -> Result<bool, Spent> {
+        let (Some(near), Some(Curve::Line { from, to, .. })) =
+            (self.clearances.last(), self.path.legs().last().map(|leg| leg.curve))
+        else {
+            return Ok(true);
+        };
+        // It may touch a wall: then what it passes over is looked at as a box.
+        let (from, to) = (body.bounds().translated(&from), body.bounds().translated(&to));
+        let swept = AxisBox::new(from.min().inf(&to.min()), from.max().sup(&to.max()));
+        match swept {
+            Ok(swept) if near.value <= 0.0 => walls.is_free(&swept, budget),
+            _ => Ok(true),
+        }
+    }
+
     /// Measures how close the path comes to the walls; `None` if there are none.
     pub(super) fn measure(
         &mut self,
@@ -117,6 +159,19 @@ impl<const D: usize> Course<D> {
         let Self { path, clearances, clearance, .. } = self;
         *clearance = clearance_body_legs(body, walls, path.legs(), clearances, budget)?;
         Ok(*clearance)
+    }
+
+    /// Passes corners along arcs; in the plane only.
+    pub(super) fn round(
+        &mut self,
+        body: &Body<'_, D>,
+        walls: &Walls<D>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        let Self { path, clearances, clearance, rounded, .. } = self;
+        *clearance = round_corners(body, walls, path.legs(), (rounded, clearances), budget)?;
+        path.set_legs(rounded);
+        Ok(())
     }
 
     /// Whether a clearance of 0 is no more than contact, because the body stays where no solid

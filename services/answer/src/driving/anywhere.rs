@@ -184,6 +184,7 @@ pub(super) fn write<S: PartSink>(
         header.duration = profile.duration();
         parts::clearance(header, found.clearance.as_ref());
         header.set_certificate(certificate(found));
+        header.set_exceeds(pace.exceeded(&found.legs, profile));
     };
     parts.trajectory(fill, lists, last)
 }

@@ -3,10 +3,11 @@
 use planning::clearance::Clearance;
 use planning::disassembly::DisassemblyError;
 use planning::free_space::ChainError;
-use schemas::message::{ErrorCode, Refusal};
+use planning::geometry::Direction;
+use schemas::message::{ErrorCode, Refusal, Task};
 
 use super::refused::Refused;
-use super::words::{Axes, Count, Short, at_junction, letter};
+use super::words::{Axes, Count, Short, Towards, at_junction, letter};
 
 pub(crate) fn chain(axes: &Axes, error: ChainError) -> Refused {
     match error {
@@ -113,4 +114,18 @@ pub(crate) fn wall_in_the_way<const D: usize>(near: &Clearance<D>) -> Refusal {
     );
     let refusal = Refusal::new(ErrorCode::WallInTheWay, message);
     Refusal { needs: Some(0.0), has: Some(near.value), ..refusal }
+}
+
+/// A free place that is not beyond the mouth, but so many metres short of it.
+pub(crate) fn short_of_the_mouth(axes: &Axes, task: Task, exit: Direction, short: f64) -> Refused {
+    let field = if task == Task::Assemble { "start" } else { "goal" };
+    let message = format!(
+        "{field}: the body is {} m short of the mouth along {}; it must be beyond it with its last \
+         side",
+        Short(short),
+        Towards(axes, exit),
+    );
+    let refusal = Refusal::new(ErrorCode::GoalOutsideFreeSpace, message);
+    let refusal = Refusal { field: Some(format!("{field}.position")), ..refusal };
+    Refusal { needs: Some(0.0), has: Some(-short), ..refusal }.into()
 }

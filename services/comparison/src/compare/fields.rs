@@ -3,7 +3,8 @@
 use std::fmt;
 
 use schemas::message::{
-    Answer, Axis, AxisBox, Clearance, Curve, Leg, Refusal, Reply, Sample, Trajectory, Vector,
+    Answer, Axis, AxisBox, Clearance, Curve, Exceeds, Leg, Refusal, Reply, Sample, Trajectory,
+    Vector,
 };
 
 use super::number::digits;
@@ -284,6 +285,7 @@ impl<'a> Comparer<'a> {
             channels,
             legs,
             samples,
+            exceeds,
         } = recorded;
         self.same("dimension", *dimension, planned.dimension)?;
         self.same("gaps_per_junction", *gaps_per_junction, planned.gaps_per_junction)?;
@@ -291,6 +293,13 @@ impl<'a> Comparer<'a> {
         self.number(Quantity::Length, "length", *length, planned.length)?;
         self.added_number(Quantity::Length, "bound", *bound, planned.bound)?;
         self.same("complete", *complete, planned.complete)?;
+        if let Some(Exceeds { limit, joints, jump }) = exceeds {
+            let other = planned.exceeds.as_ref();
+            self.optional("exceeds.limit", Some(*limit), other.map(|other| other.limit))?;
+            self.optional("exceeds.joints", Some(*joints), other.map(|other| other.joints))?;
+            let other = other.map(|other| other.jump);
+            self.optional_number(Quantity::YawRate, "exceeds.jump", Some(*jump), other)?;
+        }
         self.number(Quantity::Time, "duration", *duration, planned.duration)?;
         self.clearances(clearance, &planned.clearance)?;
         self.added_number(
