@@ -343,7 +343,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             return match found {
                 Err(refused) if refused.is_for_rounding() => self
                     .fit_through(at, wish)
-                    .or_else(|error| Err(if error.is_final() { error } else { refused })),
+                    .map_err(|error| if error.is_final() { error } else { refused }),
                 found => found,
             };
         };

@@ -57,27 +57,27 @@ fn plan(bencher: Bencher, part: &Polygon, wish: Wish<2>) {
 const CONVEX: [f64; 2] = [0.6, 0.6];
 const NOTCHED: [f64; 2] = [0.6, 0.45];
 
-#[divan::bench]
+#[divan::bench(sample_count = 5, sample_size = 1)]
 fn convex_part_of_100_vertices_among_1000(bencher: Bencher) {
     plan(bencher, &star([14.0, 1.0], 100, CONVEX), Wish::Gap([0.05, 0.05].into()));
 }
 
-#[divan::bench]
+#[divan::bench(sample_count = 5, sample_size = 1)]
 fn notched_part_of_100_vertices_among_1000(bencher: Bencher) {
     plan(bencher, &star([14.0, 1.0], 100, NOTCHED), Wish::Gap([0.05, 0.05].into()));
 }
 
-#[divan::bench]
+#[divan::bench(sample_count = 5, sample_size = 1)]
 fn notched_part_of_20_vertices_among_1000(bencher: Bencher) {
     plan(bencher, &star([14.0, 1.0], 20, NOTCHED), Wish::Gap([0.05, 0.05].into()));
 }
 
-#[divan::bench]
+#[divan::bench(sample_count = 5, sample_size = 1)]
 fn safest_of_a_part_of_20_vertices_among_1000(bencher: Bencher) {
     plan(bencher, &star([14.0, 1.0], 20, NOTCHED), Wish::Part(1.0));
 }
 
-#[divan::bench]
+#[divan::bench(sample_count = 5, sample_size = 1)]
 fn cutting_a_part_of_100_vertices(bencher: Bencher) {
     let part = star([0.0, 0.0], 100, NOTCHED);
     let body = Body::from_polygon(&part);

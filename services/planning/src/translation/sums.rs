@@ -86,6 +86,8 @@ struct Sum {
     piece: usize,
     /// Whether it has been in the way.
     is_known: bool,
+    /// What its faces count as contact, metres.
+    slack: f64,
     vertices: Range<usize>,
     faces: Range<usize>,
 }
@@ -286,6 +288,11 @@ impl<'a> Sums<'a> {
         {
             slack = self.obstacles.rounding;
         }
+        // One face for each vertex.
+        polygon.dedup();
+        if polygon.first() == polygon.last() {
+            polygon.pop();
+        }
         let (first, first_face) = (self.vertices.len(), self.faces.len());
         self.vertices.extend(&polygon);
         self.covers.resize(self.vertices.len(), None);
@@ -301,6 +308,7 @@ impl<'a> Sums<'a> {
             wall: index,
             piece,
             is_known: false,
+            slack,
             vertices: first..self.vertices.len(),
             faces: first_face..self.faces.len(),
         });
@@ -351,10 +359,6 @@ impl<'a> Sums<'a> {
         };
         convex::sum(&self.obstacles.pieces[piece], &[wall.from, wall.to], &mut bare);
         convex::sum(&bare, &around, polygon);
-        polygon.dedup();
-        if polygon.first() == polygon.last() {
-            polygon.pop();
-        }
         true
     }
 
@@ -378,9 +382,17 @@ impl<'a> Sums<'a> {
         let polygon = self.vertices(sum);
         let tolerance = self.obstacles.rounding;
         let count = polygon.len();
-        let Some(mut before) = polygon.last() else { return };
-        for (at, vertex) in polygon.iter().enumerate() {
-            let after = &polygon[(at + 1) % count];
+        let Sum { faces, slack, .. } = &self.sums[sum];
+        let faces = &self.faces[faces.clone()];
+        let beyond = |face: &Face| face.normal.dot(point) - face.reach - slack;
+        let Some(mut left) = faces.last().map(beyond) else { return };
+        for (at, (vertex, face)) in polygon.iter().zip(faces).enumerate() {
+            // A line touches where one side faces the point and the next does not.
+            let entered = std::mem::replace(&mut left, beyond(face));
+            if entered * left > 0.0 && entered.abs().min(left.abs()) > tolerance {
+                continue;
+            }
+            let (before, after) = (&polygon[(at + count - 1) % count], &polygon[(at + 1) % count]);
             let line = vertex - point;
             let length = line.norm();
             let side = |other: &Vector<2>| {
@@ -395,7 +407,6 @@ impl<'a> Sums<'a> {
                     visit(at, vertex, Side::Right);
                 }
             }
-            before = vertex;
         }
     }
 
