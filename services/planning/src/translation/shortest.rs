@@ -50,6 +50,8 @@ struct Place {
     at: Vector<2>,
     /// The side on which the sum is that the way touches here; `None` at the start.
     side: Option<Side>,
+    /// Along the side of that sum that follows: a way that turns farther would enter it.
+    along: Vector<2>,
     length: f64,
     before: usize,
 }
@@ -67,6 +69,8 @@ struct Line {
     to: Vector<2>,
     /// `None` at the goal.
     side: Option<Side>,
+    /// The side of the sum that follows.
+    along: Vector<2>,
 }
 
 impl PartialEq for Line {
@@ -123,12 +127,13 @@ pub(super) fn shortest(
         known: Vec::new(),
         bytes: 0,
     };
-    let start = Place { at: Vector::zeros(), side: None, length: 0.0, before: 0 };
+    let nowhere = Vector::zeros();
+    let start = Place { at: nowhere, side: None, along: nowhere, length: 0.0, before: 0 };
     search.places.push(start);
     search.expand(0)?;
     while let Some(line) = search.queue.pop() {
         budget.step(1)?;
-        let Line { from, to, side, length, .. } = line;
+        let Line { from, to, side, along, length, .. } = line;
         let begin = search.places[from];
         if begin.length < length {
             continue;
@@ -142,7 +147,7 @@ pub(super) fn shortest(
             continue;
         }
         let Some(side) = side else { return Ok(Some(search.way(from, to))) };
-        search.reach(Place { at: to, side: Some(side), length, before: from })?;
+        search.reach(Place { at: to, side: Some(side), along, length, before: from })?;
     }
     Ok(None)
 }
@@ -182,7 +187,7 @@ impl Search<'_, '_, '_> {
         let at = self.places[from].at;
         let goal = if self.out.missing(&at) > 0.0 { self.out.beside(&at) } else { at };
         if self.may_be_shorter(from, &goal, None) {
-            self.push(from, goal, None)?;
+            self.push(from, goal, None, Vector::zeros())?;
         }
         for index in 0..self.known.len() {
             self.join(from, self.known[index])?;
@@ -206,11 +211,17 @@ impl Search<'_, '_, '_> {
     /// it meets the line of the goal.
     fn join(&mut self, from: usize, sum: usize) -> Result<(), Spent> {
         let at = self.places[from].at;
+        self.budget.step(1)?;
+        if self.is_aside(from, self.sums.around(sum)) {
+            return Ok(());
+        }
         let vertices = self.sums.vertices(sum);
+        let count = vertices.len();
         self.budget.step(1 + vertices.len() as u64)?;
         let mut found = Vec::new();
         self.sums.touching(sum, &at, |index, vertex, side| {
-            found.push((*vertex, Some((index, side))));
+            let next = if side == Side::Left { index + 1 } else { index + count - 1 };
+            found.push((*vertex, Some((index, side)), vertices[next % count] - vertex));
         });
         let exit = self.out.exit;
         let beyond = |vertex: &Vector<2>| exit.coordinate(vertex) - self.out.distance;
@@ -218,10 +229,10 @@ impl Search<'_, '_, '_> {
             let (before, after) = (beyond(&a), beyond(&b));
             if (before < 0.0) != (after < 0.0) {
                 let place = a + (b - a) * (before / (before - after));
-                found.push((self.out.beside(&place), None));
+                found.push((self.out.beside(&place), None, Vector::zeros()));
             }
         }
-        for (to, vertex) in found {
+        for (to, vertex, along) in found {
             let side = vertex.map(|(_, side)| side);
             if !self.may_be_shorter(from, &to, side) {
                 continue;
@@ -231,7 +242,7 @@ impl Search<'_, '_, '_> {
             {
                 continue;
             }
-            self.push(from, to, side)?;
+            self.push(from, to, side, along)?;
         }
         Ok(())
     }
@@ -245,11 +256,17 @@ impl Search<'_, '_, '_> {
         goes_on && !side.is_some_and(|side| self.is_beaten(to, side, length))
     }
 
-    fn push(&mut self, from: usize, to: Vector<2>, side: Option<Side>) -> Result<(), Spent> {
+    fn push(
+        &mut self,
+        from: usize,
+        to: Vector<2>,
+        side: Option<Side>,
+        along: Vector<2>,
+    ) -> Result<(), Spent> {
         let place = &self.places[from];
         let length = place.length + (to - place.at).norm();
         let least = length + side.map_or(0.0, |_| self.out.missing(&to));
-        let line = Line { least, turn: self.turn, from, length: place.length, to, side };
+        let line = Line { least, turn: self.turn, from, length: place.length, to, side, along };
         self.turn += 1;
         self.budget.step(STEPS_PER_LINE)?;
         self.take(BYTES_PER_LINE)?;
@@ -270,6 +287,23 @@ impl Search<'_, '_, '_> {
         let off = cross(&arriving, way) / before.max(after);
         let off = if turns == Side::Left { off } else { -off };
         off >= -least && (off > least || arriving.dot(way) > 0.0)
+    }
+
+    /// Whether no way that goes on from a place leads into a circle: it would turn away from the sum
+    /// that it touches there, or into it.
+    fn is_aside(&self, from: usize, (center, radius): (Vector<2>, f64)) -> bool {
+        let place = &self.places[from];
+        let Some(side) = place.side else { return false };
+        let least = 4.0 * self.sums.tolerance();
+        let arriving = place.at - self.places[place.before].at;
+        let to = center - place.at;
+        let sign = if side == Side::Left { 1.0 } else { -1.0 };
+        let is_right = |line: &Vector<2>, off: f64| {
+            let length = line.norm();
+            length > least && off < -(radius + 2.0 * least) * length
+        };
+        is_right(&arriving, sign * cross(&arriving, &to))
+            || is_right(&place.along, sign * cross(&to, &place.along))
     }
 
     fn way(&self, from: usize, to: Vector<2>) -> Vec<Vector<2>> {

@@ -88,6 +88,8 @@ struct Sum {
     is_known: bool,
     /// What its faces count as contact, metres.
     slack: f64,
+    /// A circle around it.
+    around: (Vector<2>, f64),
     vertices: Range<usize>,
     faces: Range<usize>,
 }
@@ -150,6 +152,11 @@ impl<'a> Sums<'a> {
 
     pub(super) fn tolerance(&self) -> f64 {
         self.obstacles.tolerance
+    }
+
+    /// The centre and the radius of a circle around a sum, metres.
+    pub(super) fn around(&self, sum: usize) -> (Vector<2>, f64) {
+        self.sums[sum].around
     }
 
     pub(super) fn vertices(&self, sum: usize) -> &[Vector<2>] {
@@ -304,11 +311,14 @@ impl<'a> Sums<'a> {
         self.held += bytes;
         budget.step(4 + 2 * polygon.len() as u64)?;
         let sum = self.sums.len();
+        let [min, max] = bounds_of(&polygon);
+        let middle = if polygon.is_empty() { Vector::zeros() } else { (min + max) / 2.0 };
         self.sums.push(Sum {
             wall: index,
             piece,
             is_known: false,
             slack,
+            around: (middle, polygon.iter().map(|at| (at - middle).norm()).fold(0.0, f64::max)),
             vertices: first..self.vertices.len(),
             faces: first_face..self.faces.len(),
         });
