@@ -18,6 +18,7 @@ use super::{OtherReply, OtherRequest, Reply, Request};
 
 type Service = PortFactory<ipc::Service, [u64], Request, [u64], Reply>;
 type OtherService = PortFactory<ipc::Service, [u64], OtherRequest, [u64], OtherReply>;
+type Port = Server<ipc::Service, [u64], Request, [u64], Reply>;
 type Failure = Box<dyn std::error::Error>;
 
 /// What is wrong with its replies.
@@ -59,7 +60,7 @@ impl FromStr for Lie {
 #[derive(Debug)]
 pub struct RawPlanner {
     lie: Lie,
-    server: Option<Server<ipc::Service, [u64], Request, [u64], Reply>>,
+    server: Option<Port>,
     _other: Option<OtherService>,
     _service: Option<Service>,
     _bells: [event::PortFactory<ipc::Service>; 2],
