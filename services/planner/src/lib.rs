@@ -7,6 +7,7 @@
 
 mod at_once;
 pub mod command_line;
+mod desk;
 mod manager;
 pub mod metrics;
 pub mod options;

@@ -10,7 +10,7 @@ use schemas::message::ErrorCode;
 use schemas::status::{CacheStatus, Latency, QueueStatus, Status, WorkerStatus};
 use schemas::wire::ReplyHeader;
 
-use crate::workers::Load;
+use crate::desk::Load;
 
 /// The shortest and the longest time told apart, nanoseconds: 100 ns and an hour.
 const SPAN: (u64, u64) = (100, 3_600_000_000_000);

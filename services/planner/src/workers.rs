@@ -2,8 +2,8 @@
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -13,12 +13,9 @@ use schemas::convert::{CellWriter, PartSink};
 use schemas::message::{ErrorCode, Refusal};
 use schemas::wire::ReplyHeader;
 
-use crate::queue::{Job, Queue, QueueLimits, Waiting};
+use crate::desk::{Desk, Load, Turn};
+use crate::queue::{Job, QueueLimits, Waiting};
 use crate::resume::{Resumed, stop_after};
-use crate::turns::Turns;
-
-/// How long a request has its turn while others wait for one.
-const SLICE: Duration = Duration::from_millis(5);
 
 /// How many requests share a worker, taking turns; further ones wait until one of them is done.
 pub(crate) const SHARING: usize = 4;
@@ -46,37 +43,9 @@ pub(crate) enum Outcome {
 /// A fixed number of threads, and the requests that wait for one.
 #[derive(Debug)]
 pub(crate) struct Workers {
-    shared: Arc<Shared>,
+    desk: Arc<Desk>,
     told: Receiver<Told>,
     threads: Vec<JoinHandle<()>>,
-}
-
-#[derive(Debug)]
-struct Shared {
-    state: Mutex<State>,
-    /// There is a request to plan, or none will come any more.
-    work: Condvar,
-    /// Somebody's turn has come, or a request is stopped, or there is room for parts.
-    turn: Condvar,
-    limits: QueueLimits,
-}
-
-#[derive(Debug)]
-struct State {
-    queue: Queue,
-    turns: Turns,
-    /// Bytes of parts that no client has taken yet.
-    unsent: usize,
-    planning: usize,
-    ended: bool,
-}
-
-/// What the threads are doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Load {
-    pub(crate) waiting: Waiting,
-    pub(crate) planning: usize,
-    pub(crate) unsent: usize,
 }
 
 impl Workers {
@@ -88,55 +57,28 @@ impl Workers {
         (caps, store): (Caps, &Store),
         waker: &Waker,
     ) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared {
-            state: Mutex::new(State {
-                queue: Queue::default(),
-                turns: Turns::new(count),
-                unsent: 0,
-                planning: 0,
-                ended: false,
-            }),
-            work: Condvar::new(),
-            turn: Condvar::new(),
-            limits,
-        });
+        let desk = Arc::new(Desk::new(count, limits));
         let (tell, told) = channel();
-        let mut workers = Self { shared, told, threads: Vec::new() };
+        let mut workers = Self { desk, told, threads: Vec::new() };
         for number in 0..count * SHARING {
-            let shared = Arc::clone(&workers.shared);
+            let desk = Arc::clone(&workers.desk);
             let teller = Teller { tell: tell.clone(), waker: waker.clone() };
             let store = store.clone();
-            let run = move || shared.run(caps, &store, &teller);
+            let run = move || run(&desk, caps, &store, &teller);
             let thread = thread::Builder::new().name(format!("worker {number}"));
             workers.threads.push(thread.spawn(run)?);
         }
         Ok(workers)
     }
 
-    /// Gives a request to the next thread that is free, or gives it back with what waits already,
-    /// if that is too much. A request whose reply has begun is always taken.
+    /// See [`Desk::add`].
     pub(crate) fn add(&self, job: Job) -> Result<(), (Job, Waiting)> {
-        let mut state = self.shared.lock();
-        let bytes = size_of_val(job.cells.as_slice());
-        // What a free thread is about to take does not wait.
-        let free = self.threads.len().saturating_sub(state.planning);
-        let QueueLimits { requests, bytes: most } = self.shared.limits;
-        let limits = QueueLimits { requests: requests + free, bytes: most };
-        if job.written == 0 && !state.queue.has_room(bytes, limits) {
-            return Err((job, state.queue.waiting()));
-        }
-        state.queue.push(job);
-        drop(state);
-        self.shared.work.notify_one();
-        Ok(())
+        self.desk.add(job, self.threads.len())
     }
 
-    /// Stops a request, whether it waits or is planned. Returns it if it had not begun.
+    /// See [`Desk::stop`].
     pub(crate) fn stop(&self, ticket: u64, stop: &StopFlag, reason: StopReason) -> Option<Job> {
-        stop.stop(reason);
-        let waited = self.shared.lock().queue.remove(ticket);
-        self.shared.turn.notify_all();
-        waited
+        self.desk.stop(ticket, stop, reason)
     }
 
     /// What a thread has to tell, if any has.
@@ -144,31 +86,19 @@ impl Workers {
         self.told.try_recv().ok()
     }
 
-    /// So many bytes of parts are gone.
+    /// See [`Desk::free`].
     pub(crate) fn free(&self, bytes: usize) {
-        if bytes > 0 {
-            let mut state = self.shared.lock();
-            let was_full = state.unsent > self.shared.limits.bytes;
-            state.unsent = state.unsent.saturating_sub(bytes);
-            drop(state);
-            if was_full {
-                self.shared.turn.notify_all();
-            }
-        }
+        self.desk.free(bytes);
     }
 
     pub(crate) fn load(&self) -> Load {
-        let state = self.shared.lock();
-        let State { queue, unsent, planning, .. } = &*state;
-        Load { waiting: queue.waiting(), planning: *planning, unsent: *unsent }
+        self.desk.load()
     }
 }
 
 impl Drop for Workers {
     fn drop(&mut self) {
-        self.shared.lock().ended = true;
-        self.shared.work.notify_all();
-        self.shared.turn.notify_all();
+        self.desk.end();
         let until = Instant::now() + LEAVE;
         while Instant::now() < until && self.threads.iter().any(|thread| !thread.is_finished()) {
             thread::sleep(Duration::from_millis(1));
@@ -176,46 +106,24 @@ impl Drop for Workers {
     }
 }
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        // Nothing that is done under the lock panics half way.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn run(&self, caps: Caps, store: &Store, teller: &Teller) {
-        let mut workspace = Workspace::sharing(caps, store);
-        while let Some(job) = self.next() {
-            teller.tell(job.ticket, Outcome::Begun);
-            let turn = Turn::take(self, &job.stop);
-            let answered = catch_unwind(AssertUnwindSafe(|| {
-                answer(&mut workspace, &job, &turn, teller);
-            }));
-            if answered.is_err() {
-                // A defect in planning must not take the service with it.
-                workspace = Workspace::sharing(caps, store);
-                let mut sink = Parts { job: &job, turn: &turn, teller };
-                let (Ok(()) | Err(Unwanted)) =
-                    Workspace::refuse(&job.header, &internal_error(), &mut sink);
-            }
-            drop(turn);
-            self.lock().planning -= 1;
-            teller.tell(job.ticket, Outcome::Done);
+fn run(desk: &Desk, caps: Caps, store: &Store, teller: &Teller) {
+    let mut workspace = Workspace::sharing(caps, store);
+    while let Some(job) = desk.next() {
+        teller.tell(job.ticket, Outcome::Begun);
+        let turn = Turn::take(desk, &job.stop);
+        let answered = catch_unwind(AssertUnwindSafe(|| {
+            answer(&mut workspace, &job, &turn, teller);
+        }));
+        if answered.is_err() {
+            // A defect in planning must not take the service with it.
+            workspace = Workspace::sharing(caps, store);
+            let mut sink = Parts { job: &job, turn: &turn, teller };
+            let (Ok(()) | Err(Unwanted)) =
+                Workspace::refuse(&job.header, &internal_error(), &mut sink);
         }
-    }
-
-    /// The next request, or none any more.
-    fn next(&self) -> Option<Job> {
-        let mut state = self.lock();
-        loop {
-            if state.ended {
-                return None;
-            }
-            if let Some(job) = state.queue.pop() {
-                state.planning += 1;
-                return Some(job);
-            }
-            state = self.work.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
+        drop(turn);
+        desk.done();
+        teller.tell(job.ticket, Outcome::Done);
     }
 }
 
@@ -241,80 +149,6 @@ pub(crate) fn internal_error() -> Refusal {
     let message = "internal error while planning this request; please report it (other requests \
                    are served)";
     Refusal::new(ErrorCode::Internal, message)
-}
-
-/// A request's turn to be planned.
-struct Turn<'a> {
-    shared: &'a Shared,
-    stop: &'a StopFlag,
-    since: Cell<Instant>,
-    /// A request that is stopped goes on without one: it ends at once.
-    has_one: Cell<bool>,
-}
-
-impl<'a> Turn<'a> {
-    /// Waits for a turn.
-    fn take(shared: &'a Shared, stop: &'a StopFlag) -> Self {
-        let turn =
-            Self { shared, stop, since: Cell::new(Instant::now()), has_one: Cell::new(false) };
-        turn.line_up(shared.lock(), Turns::ask);
-        turn
-    }
-
-    /// Lets others have their turn, if it is time to.
-    fn share(&self, now: Instant) {
-        if self.has_one.get() && now.duration_since(self.since.get()) >= SLICE {
-            self.line_up(self.shared.lock(), Turns::pass_on);
-        }
-    }
-
-    fn line_up(
-        &self,
-        mut state: MutexGuard<'_, State>,
-        ask: impl FnOnce(&mut Turns) -> Option<crate::turns::Place>,
-    ) {
-        self.has_one.set(true);
-        if let Some(place) = ask(&mut state.turns) {
-            // Whoever is first in the line may have got a turn.
-            self.shared.turn.notify_all();
-            while state.turns.waits(place) && self.stop.reason().is_none() {
-                state = self.shared.turn.wait(state).unwrap_or_else(PoisonError::into_inner);
-            }
-            self.has_one.set(!state.turns.leave(place));
-        }
-        self.since.set(Instant::now());
-    }
-
-    fn give_back(&self) {
-        if self.has_one.take() {
-            self.shared.lock().turns.give_back();
-            self.shared.turn.notify_all();
-        }
-    }
-
-    /// Counts the bytes of a part, and waits while too many parts lie about; without a turn
-    /// meanwhile.
-    fn make_room(&self, bytes: usize) {
-        let mut state = self.shared.lock();
-        state.unsent += bytes;
-        if state.unsent <= self.shared.limits.bytes {
-            return;
-        }
-        drop(state);
-        self.give_back();
-        let mut state = self.shared.lock();
-        // One reply alone can be larger than the bound.
-        while state.unsent > self.shared.limits.bytes.max(bytes) && self.stop.reason().is_none() {
-            state = self.shared.turn.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
-        self.line_up(state, Turns::ask);
-    }
-}
-
-impl Drop for Turn<'_> {
-    fn drop(&mut self) {
-        self.give_back();
-    }
 }
 
 /// Tells the sequencer.

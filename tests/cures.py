@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+"""Takes each cure of a hazard of iceoryx2 away, and shows that its test fails then.
+
+    tests/cures.py [NAME...]      # some ten seconds to a minute each
+    tests/cures.py --list         # the table of docs/upstream.md
+
+Works in this working tree, whose files must be committed, and puts them back.
+"""
+
+import argparse
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).parents[1]
+BUS = "services/bus/src/"
+
+# Name; the hazard; the cure; what is changed: file, text, other text; package and test.
+CURES = [
+    (
+        "key",
+        "a reply reaches a later client in the same place",
+        "client and number of the request in every header, compared",
+        [(BUS + "client/pending.rs", "        self.key == RequestKey {", "        true || self.key == RequestKey {")],
+        "clearway-bus",
+        "a_reply_to_an_earlier_client_is_dropped",
+    ),
+    (
+        "first-id",
+        "the same, and its end",
+        "a random number of request ids is used up at the start",
+        [(BUS + "client.rs", "for _ in 0..nonce % FIRST_IDS {", "for _ in 0..nonce % FIRST_IDS * 0 {")],
+        "clearway-bus",
+        "different_first_ids_keep_it_from_arriving",
+    ),
+    (
+        "wake-up",
+        "a wake-up is slept over",
+        "rings are taken until there are none, then a last look, then sleep",
+        [
+            (BUS + "wait.rs", "while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}", "let _ = bell.try_wait(|_| {});"),
+            (BUS + "wait.rs", "for most in [NAP, NET] {", "for most in [NET] {"),
+        ],
+        "clearway-bus",
+        "no_wake_up_is_slept_over",
+    ),
+    (
+        "send",
+        "a client that reads nothing blocks the server",
+        "sending never waits: what finds no room is kept and tried again",
+        [(BUS + "ports.rs", "BackpressureAction::DiscardDataAndFail", "BackpressureAction::Retry")],
+        "clearway-bus",
+        "a_client_that_takes_nothing_holds_nobody_up",
+    ),
+    (
+        "closed",
+        "parts to a client that has left vanish silently",
+        "the connection is looked at before each part",
+        [(BUS + "server/reply.rs", "if !self.active.is_connected() {", "if false {")],
+        "clearway-bus",
+        "a_client_that_has_left_is_not_written_to",
+    ),
+    (
+        "death",
+        "a connection to a killed server stays open",
+        "who waits clears the dead away",
+        [(BUS + "client/pending.rs", "self.connection.node.sweep();", "();")],
+        "clearway-bus",
+        "a_call_notices_within_its_limit_that_the_planner_was_killed",
+    ),
+    (
+        "second",
+        "several servers all get every request",
+        "one server only",
+        [(BUS + "ports.rs", ".max_servers(1)", ".max_servers(2)")],
+        "clearway-bus",
+        "a_second_planner_is_refused",
+    ),
+    (
+        "tap",
+        "a recorder that hangs blocks the server",
+        "the tap overwrites its oldest messages, and numbers them",
+        [(BUS + "ports.rs", "        .enable_safe_overflow(true)\n        .max_publishers(1)\n        .max_subscribers(options.max_recorders)", "        .enable_safe_overflow(false)\n        .max_publishers(1)\n        .max_subscribers(options.max_recorders)")],
+        "clearway-bus",
+        "a_recorder_that_hangs_slows_nobody",
+    ),
+    (
+        "heartbeat",
+        "a loss at the end of the tap does not show",
+        "a heartbeat with the next number",
+        [(BUS + "tap.rs", "let is_due = self.listened_to();", "let is_due = false;")],
+        "clearway-bus",
+        "the_heartbeat_shows_a_loss_at_the_end",
+    ),
+    (
+        "signals",
+        "SIGTERM is forgotten by the library's handler, or ends the process with its files",
+        "signal-hook, a flag that stays",
+        [(BUS + "wait.rs", "for signal in [SIGINT, SIGTERM, SIGHUP] {", "for signal in [SIGINT, SIGHUP] {")],
+        "clearway-bus",
+        "signals_end_a_planner_and_nothing_is_left",
+    ),
+    (
+        "layout",
+        "the same name and size with other fields connects silently",
+        "a hash of the layout in the type's name",
+        [(BUS + "headers.rs", '"clearway::{}#{:016x}", $name, $hash', '"clearway::{}#{:016x}", $name, $hash - $hash')],
+        "clearway-bus",
+        "a_client_of_another_layout_does_not_connect",
+    ),
+    (
+        "remains",
+        "programs that are killed while they start leave files for ever",
+        "locks say who lives; the living remove what the dead made",
+        [(BUS + "member.rs", "if janitor::is_up_to(role, &site) {", "if false {")],
+        "clearway-bus",
+        "what_killed_clients_leave_is_removed_by_the_living",
+    ),
+    (
+        "log",
+        "a warning of 10 kB",
+        "texts are cut",
+        [(BUS + "log.rs", "let room = self.1 - self.0.len();", "let room = text.len();")],
+        "clearway-bus",
+        "long_texts_are_cut",
+    ),
+    (
+        "count",
+        "a false count of elements is a SIGSEGV",
+        "what lies beyond the first segment is copied by the system, which reports a fault",
+        [(BUS + "server/copy.rs", "if payload.len() <= SURE {", "if payload.len() <= usize::MAX {")],
+        "integration-tests",
+        "a_false_count_of_elements_is_refused_without_harm",
+    ),
+]
+
+
+def changed(changes):
+    """Changes the files, and gives what they were."""
+    before = {}
+    for name, text, other in changes:
+        path = ROOT / name
+        content = path.read_text()
+        before.setdefault(path, content)
+        if text not in content:
+            raise SystemExit(f"{name} no longer has {text!r}")
+        path.write_text(content.replace(text, other))
+    return before
+
+
+def run(package, test):
+    environment = os.environ | {"BUS_STRESS": "60", "RUST_BACKTRACE": "0"}
+    # Programs have the features of the whole workspace.
+    is_system = package == "integration-tests"
+    tests = ["--workspace", "--test", "system"] if is_system else ["-p", package, "--lib", "--test", "bus"]
+    build = ["cargo", "test", "--quiet", *tests, "--no-run"]
+    built = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
+    if built.returncode != 0:
+        return "does not build:\n" + built.stderr
+    command = ["cargo", "test", "--quiet", *tests, "--", test]
+    try:
+        ran = subprocess.run(command, cwd=ROOT, env=environment, timeout=180, capture_output=True, text=True)
+    except subprocess.TimeoutExpired:
+        return "failed: it hangs"
+    # Filters that match nothing pass.
+    if ran.returncode == 0:
+        return "passed" if " 1 passed" in ran.stdout else "there is no such test"
+    return "failed"
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("names", nargs="*", choices=[cure[0] for cure in CURES] + [[]])
+    arguments.add_argument("--list", action="store_true", help="print the table")
+    arguments = arguments.parse_args()
+    if arguments.list:
+        for name, hazard, cure, _, _, test in CURES:
+            print(f"| `{name}` | {hazard} | {cure} | `{test}` |")
+        return
+    dirty = subprocess.run(["git", "status", "--porcelain", BUS], cwd=ROOT, capture_output=True, text=True).stdout
+    if dirty:
+        raise SystemExit(f"not committed:\n{dirty}")
+    useless = 0
+    for name, _, _, changes, package, test in CURES:
+        if arguments.names and name not in arguments.names:
+            continue
+        before = changed(changes)
+        try:
+            result = run(package, test)
+        finally:
+            for path, content in before.items():
+                path.write_text(content)
+        useless += not result.startswith("failed")
+        print(f"without {name}: {test} {result}", flush=True)
+    sys.exit(1 if useless else 0)
+
+
+if __name__ == "__main__":
+    main()
