@@ -7,7 +7,7 @@ use crate::code::{Arrow, Code};
 
 /// The modules of `planning`, each knowing only those of the lines before its own.
 const PLANNING: [&[&str]; 9] = [
-    &["budget"],
+    &["altered", "budget"],
     &["geometry"],
     &["motion"],
     &["free_space"],

@@ -70,6 +70,8 @@ use wish::Wishes;
 
 pub use caps::Caps;
 pub use entries::CacheStats;
+#[cfg(all(feature = "altered-rules", debug_assertions))]
+pub use planning::altered::with_rule_altered;
 pub use stop::{StopFlag, StopReason};
 pub use store::Store;
 

@@ -3,8 +3,7 @@
 
 use std::path::Path;
 
-use answer::Caps;
-use planning::altered::with_rule_altered;
+use answer::{Caps, with_rule_altered};
 use recording::{Message, Options, Reader, Writer};
 use schemas::codec;
 use schemas::json as scenes;
