@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Takes each cure of a hazard of iceoryx2 away, and shows that its test fails then.
+"""Takes each cure of a hazard of iceoryx2 away, and tells whether its test fails then.
 
-    tests/cures.py [NAME...]      # some ten seconds to a minute each
+    tests/cures.py [NAME...]      # a minute or more each; exit code 1 if a test passes without its cure
     tests/cures.py --list         # the table of docs/upstream.md
 
 Works in this working tree, whose files must be committed, and puts them back.
