@@ -91,27 +91,27 @@ impl Ramping {
             // From rest to rest without reaching it: p^(3/2) = l j^(1/2) / 2.
             libm::cbrt(0.25 * jerk * length * length)
         } else {
-            return self.bracketed(least, most, fits);
+            return bracketed(least, most, fits);
         };
         peak.clamp(least, most)
     }
+}
 
-    /// The greatest speed between two that fits: a longer distance is a greater speed.
-    fn bracketed(&self, least: f64, most: f64, fits: impl Fn(f64) -> bool) -> f64 {
-        let (mut low, mut high) = (least, most);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if middle <= low || high <= middle {
-                break;
-            }
-            if fits(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
+/// The greatest speed between two that fits: a longer distance is a greater speed.
+fn bracketed(least: f64, most: f64, fits: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (least, most);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if middle <= low || high <= middle {
+            break;
         }
-        low
+        if fits(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
+    low
 }
 
 #[cfg(test)]

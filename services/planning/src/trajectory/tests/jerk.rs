@@ -175,8 +175,7 @@ proptest! {
     fn states_are_the_same_one_by_one(legs in any_drive(), limits in any_jerk(), sampling in any_sampling()) {
         let profile = planned(&legs, &limits, Stops::AtTurns);
         let mut one_by_one = Vec::new();
-        let mut states = profile.samples(&legs, sampling);
-        while let Some(state) = states.next() {
+        for state in profile.samples(&legs, sampling) {
             one_by_one.push(state);
         }
         let mut folded = Vec::new();
