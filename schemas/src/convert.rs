@@ -7,6 +7,7 @@
 
 mod cells;
 pub(crate) mod codes;
+mod manner;
 mod reply;
 mod request;
 mod scene;

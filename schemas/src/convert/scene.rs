@@ -2,10 +2,11 @@
 
 use super::cells::{CellReader, Malformed, demand};
 use super::codes;
+use super::manner;
 use crate::message::{
-    AxisBox, Body, Choice, ClearanceWish, Corners, Digest, Direction, Footprint, Frames, FreeSpace,
-    Gap, Goal, Limits, Pose, Refusal, Report, RequestKey, SampleFrame, Sampling, SceneRequest,
-    Solid, StartTurn, Task, Vector,
+    AxisBox, Body, Choice, ClearanceWish, Digest, Direction, Footprint, FreeSpace, Gap, Goal,
+    Limits, Pose, Refusal, Report, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task,
+    Vector,
 };
 use crate::wire::{RequestHeader, VERSION, given, switch};
 
@@ -164,7 +165,7 @@ fn write_options(scene: &SceneRequest, header: &mut RequestHeader) {
         header.start_turn = codes::code(StartTurn::ALL, start_turn);
     }
     write_robot(scene, header);
-    write_manner(scene, header);
+    manner::write(scene, header);
     if let Some(sampling) = scene.sampling {
         header.given |= given::SAMPLING;
         (header.sampling_kind, header.sampling) = match sampling {
@@ -225,40 +226,6 @@ fn place(position: &Vector, heading: f64) -> [f64; 3] {
     match position.padded() {
         [x, y, _] if position.dimension() < 3 => [x, y, heading],
         spatial => spatial,
-    }
-}
-
-fn write_manner(scene: &SceneRequest, header: &mut RequestHeader) {
-    if let Some(Frames { fixed, fixed_at_end, moving, samples }) = scene.frames {
-        let frames = [
-            (Some(fixed), given::FRAMES),
-            (fixed_at_end, given::FIXED_AT_END),
-            (moving, given::MOVING),
-        ];
-        for (cells, (pose, bit)) in header.frames.chunks_exact_mut(4).zip(frames) {
-            let Some(Pose { position, heading }) = pose else { continue };
-            header.given |= bit;
-            cells[..3].copy_from_slice(&position.padded());
-            cells[3] = heading;
-        }
-        if let Some(frame) = samples {
-            header.given |= given::SAMPLE_FRAME;
-            header.sample_frame = codes::code(SampleFrame::ALL, frame);
-        }
-    }
-    if let Some(corners) = scene.corners {
-        header.given |= given::CORNERS;
-        header.corners = codes::code(Corners::ALL, corners);
-    }
-    for (index, (limit, bit)) in
-        [(scene.limits.jerk, given::JERK), (scene.limits.yaw_jerk, given::YAW_JERK)]
-            .into_iter()
-            .enumerate()
-    {
-        if let Some(limit) = limit {
-            header.given |= bit;
-            header.jerks[index] = limit;
-        }
     }
 }
 
@@ -460,40 +427,7 @@ fn read_options(
         jerk: has(given::JERK).then_some(header.jerks[0]),
         yaw_jerk: has(given::YAW_JERK).then_some(header.jerks[1]),
     };
-    read_manner(header, dimension, scene)
-}
-
-fn read_manner(
-    header: &RequestHeader,
-    dimension: usize,
-    scene: &mut SceneRequest,
-) -> Result<(), Malformed> {
-    let has = |bit: u64| header.given & bit != 0;
-    let frame = |index: usize| {
-        let cells = &header.frames[4 * index..4 * index + 4];
-        Pose { position: numbers(&cells[..dimension]), heading: cells[3] }
-    };
-    scene.frames = match has(given::FRAMES) {
-        true => Some(Frames {
-            fixed: frame(0),
-            fixed_at_end: has(given::FIXED_AT_END).then(|| frame(1)),
-            moving: has(given::MOVING).then(|| frame(2)),
-            samples: match has(given::SAMPLE_FRAME) {
-                true => Some(codes::value(
-                    "sample_frame",
-                    SampleFrame::ALL,
-                    header.sample_frame.into(),
-                )?),
-                false => None,
-            },
-        }),
-        false => None,
-    };
-    scene.corners = match has(given::CORNERS) {
-        true => Some(codes::value("corners", Corners::ALL, header.corners.into())?),
-        false => None,
-    };
-    Ok(())
+    manner::read(header, dimension, scene)
 }
 
 fn read_wish(

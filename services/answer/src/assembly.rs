@@ -30,7 +30,6 @@ mod frames;
 
 use course::Course;
 use frames::Ends;
-pub(crate) use frames::Teller;
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]

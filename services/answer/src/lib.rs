@@ -33,6 +33,7 @@
 
 mod answers;
 mod assembly;
+mod base_frame;
 mod cache;
 mod caps;
 mod check;

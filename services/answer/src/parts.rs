@@ -10,7 +10,7 @@ use schemas::convert::{self, CellWriter, PartSink, Samples, TrajectoryWriter};
 use schemas::message::{self, AxisBox, Refusal, Reply, ReplyAssembler, ReplyPart, RequestKey};
 use schemas::wire::{self, ReplyHeader, reported};
 
-use crate::assembly::Teller;
+use crate::base_frame::Teller;
 
 /// A reply on its way: counts parts and answers.
 pub(crate) struct Parts<'a, S> {
