@@ -152,6 +152,7 @@ impl<'a, const D: usize> Teller<'a, D> {
     pub(crate) fn tell(&mut self, mut state: State<D>) -> State<D> {
         let part = self.part(&state);
         state.position += self.inside;
+        (state.heading, state.yaw_rate) = (0.0, 0.0);
         let Some(Base { fixed, at_end, assembled, .. }) = &self.base else { return state };
         let turned = wrapped(at_end.heading - fixed.heading);
         let moved = at_end.origin - fixed.origin;

@@ -89,7 +89,9 @@ impl<const D: usize> Ends<D> {
         profile: &'a Profile,
     ) -> Option<Teller<'a, D>> {
         let base = self.base.filter(|base| base.in_samples);
-        let is_told_as_it_is = base.is_none() && self.inside.amax() == 0.0;
+        // On an arc a robot would turn, a part does not.
+        let turns = legs.iter().any(|leg| matches!(leg.curve, Curve::Arc { .. }));
+        let is_told_as_it_is = base.is_none() && self.inside.amax() == 0.0 && !turns;
         (!is_told_as_it_is).then(|| Teller::new(self.inside, base, legs, profile))
     }
 }
