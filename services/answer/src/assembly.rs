@@ -3,7 +3,6 @@
 
 use std::mem;
 
-use planning::budget::Budget;
 use planning::clearance::translating::Body;
 use planning::disassembly::{self, DisassemblyError};
 use planning::free_space::End;
@@ -11,9 +10,9 @@ use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::route::{BodyMover, Mover, Router};
 use planning::trajectory::{Profile, Stops};
-use planning::translation::{self, Cavity, NoWay, Part};
+use planning::translation::{self, NoWay};
 use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Corners, Gap, Refusal, Task};
+use schemas::message::{self, Corners, Refusal, Task};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -27,9 +26,13 @@ use crate::wish::{Gaps, Wish, Wishes};
 
 mod course;
 mod frames;
+mod gap;
+mod slide;
 
 use course::Course;
 use frames::Ends;
+use gap::gap_of;
+use slide::{Slide, slide};
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
@@ -62,15 +65,6 @@ struct Terms<'a, const D: usize> {
     stops: Stops,
     pace: Pace,
 }
-
-/// Finds a way between outlines that leads out along an exit.
-type Slide<const D: usize> = fn(
-    &Body<'_, D>,
-    &Outlines<D>,
-    Direction,
-    translation::Wish<D>,
-    &Budget<'_>,
-) -> Result<Vec<Vector<D>>, NoWay<D>>;
 
 /// A part that is too wide by no more than twice this part of its greatest coordinate fits exactly.
 const CONTACT: f64 = 1e-9;
@@ -373,7 +367,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
     ) -> Result<(), Refused> {
         let Self { terms, ways, memory, resources, .. } = self;
         let (Some(way), Some(known)) = (&ways[at], memory.course.room()) else { return Ok(()) };
-        let more = translation::Wish::MoreThan(known.1);
+        let more = translation::Demand::MoreThan(known.1);
         match slide(&terms.body, outlines, way.exit, more, resources.budget) {
             Ok(_) => {}
             Err(NoWay::Spent(spent)) => return Err(spent.into()),
@@ -415,19 +409,19 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         let asked = match (wish.gaps, gap_of(wish, gaps, budget)) {
             (Gaps::AtLeast(clearance), _) => {
                 check::gap(&wish.field(), clearance)?;
-                translation::Wish::AtLeast(clearance)
+                translation::Demand::AtLeast(clearance)
             }
             (_, gap) => match gap? {
-                disassembly::Gap::Uniform(gap) => translation::Wish::Gap(Vector::repeat(gap)),
-                disassembly::Gap::PerAxis(gap) => translation::Wish::Gap(gap),
-                disassembly::Gap::Fraction(part) => translation::Wish::Part(part),
-                disassembly::Gap::Safest => translation::Wish::Part(1.0),
+                disassembly::Gap::Uniform(gap) => translation::Demand::Gap(Vector::repeat(gap)),
+                disassembly::Gap::PerAxis(gap) => translation::Demand::Gap(gap),
+                disassembly::Gap::Fraction(part) => translation::Demand::Part(part),
+                disassembly::Gap::Safest => translation::Demand::Part(1.0),
                 disassembly::Gap::PerJunction(gaps) => {
                     return Err(refuse::no_junctions(wish.field(), gaps.len()).into());
                 }
             },
         };
-        if let translation::Wish::Gap(gap) = asked {
+        if let translation::Demand::Gap(gap) = asked {
             for value in gap.iter() {
                 check::gap(&wish.field(), *value)?;
             }
@@ -582,52 +576,5 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
             parts::clearance(header, clearance.as_ref());
         };
         parts.trajectory(fill, lists, last)
-    }
-}
-
-/// Finds a way in the plane.
-fn slide(
-    body: &Body<'_, 2>,
-    outlines: &Outlines<2>,
-    exit: Direction,
-    wish: translation::Wish<2>,
-    budget: &Budget<'_>,
-) -> Result<Vec<Vector<2>>, NoWay<2>> {
-    let part = Part::new(body, budget)?;
-    let Some(bounds) = outlines.bounds() else { return Err(NoWay::Closed(None)) };
-    let cavity = Cavity { part: &part, walls: outlines.walls(), bounds, exit };
-    cavity.plan(wish, budget)
-}
-
-/// The gap that is wished for; a gap per junction in `memory`.
-fn gap_of<'m, const D: usize>(
-    wish: &Wish<'_>,
-    memory: &'m mut Vec<Vector<D>>,
-    budget: &Budget<'_>,
-) -> Result<disassembly::Gap<'m, D>, Refused> {
-    Ok(match wish.gaps {
-        Gaps::Same(Gap::Uniform(gap)) => disassembly::Gap::Uniform(gap),
-        Gaps::Same(gap) => disassembly::Gap::PerAxis(per_axis(&gap, || wish.field())?),
-        Gaps::Fraction(fraction) => disassembly::Gap::Fraction(fraction),
-        Gaps::AtLeast(_) => return Err(check::stray_field(wish.field(), Task::Disassemble).into()),
-        Gaps::Each(gaps) => {
-            budget.step(gaps.len() as u64)?;
-            memory.clear();
-            for (junction, gap) in gaps.iter().enumerate() {
-                memory.push(per_axis(gap, || format!("{}[{junction}]", wish.field()))?);
-            }
-            disassembly::Gap::PerJunction(memory)
-        }
-    })
-}
-
-fn per_axis<const D: usize>(
-    gap: &Gap,
-    field: impl FnOnce() -> String,
-) -> Result<Vector<D>, Refusal> {
-    match gap {
-        Gap::Uniform(gap) => Ok(Vector::repeat(*gap)),
-        Gap::PerAxis(gaps) if gaps.dimension() == D => Ok(check::vector(gaps)),
-        Gap::PerAxis(gaps) => Err(check::gaps_per_axis(field(), gaps.dimension(), D)),
     }
 }

@@ -9,5 +9,5 @@ mod take;
 
 pub(crate) use explain::Explain;
 pub(crate) use made::Cut;
-pub(crate) use source::{Buffers, Outlines, Source, floor_walls, given_channels};
-pub(crate) use space::FreeSpace;
+pub(crate) use source::{Buffers, Source, floor_walls, given_channels};
+pub(crate) use space::{FreeSpace, Outlines};

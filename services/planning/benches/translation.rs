@@ -8,7 +8,7 @@ use planning::clearance::translating::Body;
 use planning::free_space::walls::Walls;
 use planning::geometry::polygon::Polygon;
 use planning::geometry::{AxisBox, Direction, Sign, Vector};
-use planning::translation::{Cavity, Part, Wish};
+use planning::translation::{Cavity, Demand, MovedPart};
 
 fn main() {
     divan::main();
@@ -26,7 +26,7 @@ fn star(center: [f64; 2], vertices: usize, radii: [f64; 2]) -> Polygon {
 }
 
 /// Fifty stars of twenty vertices each in a tray; the part below all of them.
-fn scene(part: &Polygon) -> (Walls<2>, Part, AxisBox<2>) {
+fn scene(part: &Polygon) -> (Walls<2>, MovedPart, AxisBox<2>) {
     let budget = Budget::default();
     let mut walls = Walls::default();
     for row in 0..5 {
@@ -43,11 +43,11 @@ fn scene(part: &Polygon) -> (Walls<2>, Part, AxisBox<2>) {
         walls.push_box(&space(side.0, side.1));
     }
     walls.index(&budget).expect("no limit");
-    let part = Part::new(&Body::from_polygon(part), &budget).expect("no limit");
+    let part = MovedPart::new(&Body::from_polygon(part), &budget).expect("no limit");
     (walls, part, space([-3.0, -1.0], [32.0, 20.0]))
 }
 
-fn plan(bencher: Bencher, part: &Polygon, wish: Wish<2>) {
+fn plan(bencher: Bencher, part: &Polygon, wish: Demand<2>) {
     let (walls, part, bounds) = scene(part);
     let exit = Direction { axis: 1, sign: Sign::Positive };
     let cavity = Cavity { part: &part, walls: &walls, bounds, exit };
@@ -59,27 +59,27 @@ const NOTCHED: [f64; 2] = [0.6, 0.45];
 
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn convex_part_of_100_vertices_among_1000(bencher: Bencher) {
-    plan(bencher, &star([14.0, 1.0], 100, CONVEX), Wish::Gap([0.05, 0.05].into()));
+    plan(bencher, &star([14.0, 1.0], 100, CONVEX), Demand::Gap([0.05, 0.05].into()));
 }
 
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn notched_part_of_100_vertices_among_1000(bencher: Bencher) {
-    plan(bencher, &star([14.0, 1.0], 100, NOTCHED), Wish::Gap([0.05, 0.05].into()));
+    plan(bencher, &star([14.0, 1.0], 100, NOTCHED), Demand::Gap([0.05, 0.05].into()));
 }
 
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn notched_part_of_20_vertices_among_1000(bencher: Bencher) {
-    plan(bencher, &star([14.0, 1.0], 20, NOTCHED), Wish::Gap([0.05, 0.05].into()));
+    plan(bencher, &star([14.0, 1.0], 20, NOTCHED), Demand::Gap([0.05, 0.05].into()));
 }
 
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn safest_of_a_part_of_20_vertices_among_1000(bencher: Bencher) {
-    plan(bencher, &star([14.0, 1.0], 20, NOTCHED), Wish::Part(1.0));
+    plan(bencher, &star([14.0, 1.0], 20, NOTCHED), Demand::Part(1.0));
 }
 
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn cutting_a_part_of_100_vertices(bencher: Bencher) {
     let part = star([0.0, 0.0], 100, NOTCHED);
     let body = Body::from_polygon(&part);
-    bencher.bench(|| Part::new(&body, &Budget::default()).expect("no limit"));
+    bencher.bench(|| MovedPart::new(&body, &Budget::default()).expect("no limit"));
 }

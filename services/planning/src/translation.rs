@@ -13,8 +13,8 @@ use crate::free_space::mouth_of;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector, polygon};
 use shortest::{Out, shortest};
-use sums::{Margin, Obstacles, Sums};
-use widest::{Circle, closing, cut_near};
+use sums::{Obstacles, SumMargin, Sums};
+use widest::{CirclePolygon, closing, cut_near};
 
 mod convex;
 mod shortest;
@@ -48,7 +48,7 @@ const MORE_SIDES: usize = 16;
 
 /// What a path is to keep from the walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wish<const D: usize> {
+pub enum Demand<const D: usize> {
     /// This gap along each axis, metres, or from a wall the one that it has at the start.
     Gap(Vector<D>),
     /// This clearance, metres, or from a wall the one that it has at the start.
@@ -110,14 +110,14 @@ impl<const D: usize> From<Spent> for NoWay<D> {
 
 /// A part in its assembled state, made ready.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct MovedPart {
     /// Reflected at the origin.
     pieces: Vec<Vec<Vector<2>>>,
     outline: Vec<Vector<2>>,
     bounds: AxisBox<2>,
 }
 
-impl Part {
+impl MovedPart {
     /// Cuts the body into convex pieces.
     pub fn new(body: &Body<'_, 2>, budget: &Budget<'_>) -> Result<Self, Spent> {
         let outline = body.outline();
@@ -133,7 +133,7 @@ impl Part {
 #[derive(Debug, Clone, Copy)]
 pub struct Cavity<'a> {
     /// The part.
-    pub part: &'a Part,
+    pub part: &'a MovedPart,
     /// The surfaces of the solids.
     pub walls: &'a Walls<2>,
     /// What the part does not leave but through the mouth.
@@ -145,7 +145,7 @@ pub struct Cavity<'a> {
 impl Cavity<'_> {
     /// The displacements through which the shortest way leads out that keeps what is wished for;
     /// the first is none.
-    pub fn plan(&self, wish: Wish<2>, budget: &Budget<'_>) -> Result<Vec<Vector<2>>, NoWay<2>> {
+    pub fn plan(&self, wish: Demand<2>, budget: &Budget<'_>) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let out = self.out();
         if out.distance <= 0.0 {
             return Ok(vec![Vector::zeros(); 2]);
@@ -159,22 +159,22 @@ impl Cavity<'_> {
 
     fn search(
         &self,
-        wish: Wish<2>,
+        wish: Demand<2>,
         out: Out,
         budget: &Budget<'_>,
     ) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let limits = self.limits();
         let obstacles = self.obstacles(&limits);
         self.check_start(obstacles, budget)?;
-        let search = Search { cavity: self, obstacles, out, budget };
+        let search = DemandSearch { cavity: self, obstacles, out, budget };
         match wish {
-            Wish::Gap(gap) => search.keeping(|part| Margin::PerAxis(gap * part)),
-            Wish::AtLeast(clearance) => {
-                let circle = Circle::new(self.walls, &self.part.pieces);
+            Demand::Gap(gap) => search.keeping(|part| SumMargin::PerAxis(gap * part)),
+            Demand::AtLeast(clearance) => {
+                let circle = CirclePolygon::new(self.walls, &self.part.pieces);
                 search.keeping(|part| circle.margin(clearance * part))
             }
-            Wish::MoreThan(clearance) => search.wider(clearance),
-            Wish::Part(part) => search.safest(part),
+            Demand::MoreThan(clearance) => search.wider(clearance),
+            Demand::Part(part) => search.safest(part),
         }
     }
 
@@ -272,7 +272,7 @@ impl Cavity<'_> {
     }
 
     fn check_start(&self, obstacles: Obstacles<'_>, budget: &Budget<'_>) -> Result<(), NoWay<2>> {
-        let mut sums = Sums::new(obstacles, Margin::Contact);
+        let mut sums = Sums::new(obstacles, SumMargin::Contact);
         let found = sums.depth(&Vector::zeros(), budget)?;
         sums.release(budget);
         if let Some((wall, out)) = found {
@@ -295,15 +295,15 @@ impl Cavity<'_> {
 }
 
 /// A search for one answer.
-struct Search<'a> {
+struct DemandSearch<'a> {
     cavity: &'a Cavity<'a>,
     obstacles: Obstacles<'a>,
     out: Out,
     budget: &'a Budget<'a>,
 }
 
-impl Search<'_> {
-    fn way(&self, margin: Margin) -> Result<Option<Vec<Vector<2>>>, Spent> {
+impl DemandSearch<'_> {
+    fn way(&self, margin: SumMargin) -> Result<Option<Vec<Vector<2>>>, Spent> {
         let mut sums = Sums::new(self.obstacles, margin);
         let way = shortest(&mut sums, self.out, self.budget);
         sums.release(self.budget);
@@ -311,11 +311,11 @@ impl Search<'_> {
     }
 
     /// The shortest way that keeps all of a margin.
-    fn keeping(&self, margin: impl Fn(f64) -> Margin) -> Result<Vec<Vector<2>>, NoWay<2>> {
+    fn keeping(&self, margin: impl Fn(f64) -> SumMargin) -> Result<Vec<Vector<2>>, NoWay<2>> {
         if let Some(way) = self.way(margin(1.0))? {
             return Ok(way);
         }
-        if self.way(Margin::Contact)?.is_none() {
+        if self.way(SumMargin::Contact)?.is_none() {
             return Err(NoWay::Closed(self.narrowest()?));
         }
         let (mut least, mut most) = (0.0, 1.0);
@@ -324,7 +324,7 @@ impl Search<'_> {
         if let Some(end) = way.as_ref().and_then(|way| way.last()) {
             let relaxed = [Vector::zeros(), *end];
             let obstacles = Obstacles { relaxed: &relaxed, ..self.obstacles };
-            let search = Search { obstacles, ..*self };
+            let search = DemandSearch { obstacles, ..*self };
             if let Some(way) = search.way(margin(1.0))? {
                 return Ok(way);
             }
@@ -340,7 +340,7 @@ impl Search<'_> {
         &self,
         (least, most): (&mut f64, &mut f64),
         precision: f64,
-        margin: impl Fn(f64) -> Margin,
+        margin: impl Fn(f64) -> SumMargin,
     ) -> Result<Option<Vec<Vector<2>>>, Spent> {
         let mut way = None;
         let finest = PRECISION * *most;
@@ -358,8 +358,9 @@ impl Search<'_> {
     fn wider(&self, clearance: f64) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let Self { cavity, budget, .. } = *self;
         let walls = cut_near(cavity.walls, &cavity.part.outline, cavity.extent(), budget)?;
-        let search = Search { obstacles: Obstacles { walls: &walls, ..self.obstacles }, ..*self };
-        let circle = Circle::new(cavity.walls, &cavity.part.pieces);
+        let search =
+            DemandSearch { obstacles: Obstacles { walls: &walls, ..self.obstacles }, ..*self };
+        let circle = CirclePolygon::new(cavity.walls, &cavity.part.pieces);
         let more = clearance + SAME_CLEARANCE * cavity.extent();
         search.way(circle.margin(more))?.ok_or(NoWay::Closed(None))
     }
@@ -367,14 +368,14 @@ impl Search<'_> {
     /// The shortest of the ways with the greatest clearance, or with this part of it.
     fn safest(&self, part: f64) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let Self { cavity, budget, .. } = *self;
-        let Some(mut way) = self.way(Margin::Contact)? else {
+        let Some(mut way) = self.way(SumMargin::Contact)? else {
             return Err(NoWay::Closed(self.narrowest()?));
         };
         let extent = cavity.extent();
         let walls = cut_near(cavity.walls, &cavity.part.outline, extent, budget)?;
         let obstacles = Obstacles { walls: &walls, ..self.obstacles };
-        let search = Search { obstacles, ..*self };
-        let mut circle = Circle::new(cavity.walls, &cavity.part.pieces);
+        let search = DemandSearch { obstacles, ..*self };
+        let mut circle = CirclePolygon::new(cavity.walls, &cavity.part.pieces);
         // Roughly at first.
         let rounding = SAME_CLEARANCE * extent;
         let Some(found) = search.way(circle.margin(rounding))? else { return Ok(way) };
@@ -385,7 +386,7 @@ impl Search<'_> {
             way = found;
         }
         // A polygon is wider than its circle, so there may be room for more.
-        most *= Circle::BEYOND;
+        most *= CirclePolygon::BEYOND;
         for round in 0..ROUNDS {
             let closing = closing(&way, &obstacles, (widest, most), budget)?;
             closing.iter().take(MORE_SIDES).for_each(|(_, across)| circle.add(across));
@@ -425,7 +426,7 @@ impl Search<'_> {
         let mut narrow = None;
         while most - least > NARROW * half {
             let middle = f64::midpoint(least, most);
-            let mut sums = Sums::new(self.obstacles, Margin::Overlap(middle));
+            let mut sums = Sums::new(self.obstacles, SumMargin::Overlap(middle));
             let way = shortest(&mut sums, self.out, self.budget)?;
             sums.release(self.budget);
             if let Some(way) = way {

@@ -433,7 +433,7 @@ fn versioned(
 }
 
 fn foreign(options: mcap::WriteOptions, layout: [&str; 3], message: &[u8]) -> Vec<u8> {
-    versioned(Some("2"), options, layout, message)
+    versioned(Some("3"), options, layout, message)
 }
 
 fn planning() -> mcap::WriteOptions {
@@ -494,7 +494,7 @@ fn a_channel_without_a_version_is_of_version_1() {
         records.first().map(|record| record.message.clone()).ok_or(cause)
     };
     // Version 1 lays a request out in another way, and says so in the same words.
-    assert_eq!(of(Some("2")), Ok(Message::Request(request(0))));
+    assert_eq!(of(Some("3")), Ok(Message::Request(request(0))));
     let as_version_1 = of(Some("1")).unwrap_err();
     assert!(as_version_1.is_some());
     assert_eq!(of(None), Err(as_version_1));
@@ -505,10 +505,10 @@ fn newer_versions_are_refused_with_both_numbers() {
     let message = schemas::codec::encode(&request(0));
     let of = |version| versioned(Some(version), planning(), OURS, &message);
     check_refused(
-        &of("3"),
-        "/planner/request holds clearway.Request version 3, this program reads versions 1 to 2",
+        &of("4"),
+        "/planner/request holds clearway.Request version 4, this program reads versions 1 to 3",
     );
-    check_refused(&of("0"), "version 0, this program reads versions 1 to 2");
+    check_refused(&of("0"), "version 0, this program reads versions 1 to 3");
     let named = "the schema_version of /planner/request is \"two\", expected \"a number\"";
     check_refused(&of("two"), named);
 }

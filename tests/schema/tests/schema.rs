@@ -294,7 +294,7 @@ fn wrong_schemas_are_noticed() {
         ("/properties/deadline/type", json!("number")),
         ("/properties/task", json!({ "type": "string" })),
         ("/$defs/point/maxItems", json!(4)),
-        ("/$defs/box/required", json!(["min"])),
+        ("/$defs/box/oneOf/0/required", json!(["min"])),
     ] {
         let place = change.0;
         let noticed = noticed(&schema::scene(), &scenes, reads, change);

@@ -10,7 +10,7 @@ use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
 use schemas::message::{self, Refusal, Solid};
 
 use super::made::Cut;
-use super::space::{Around, FreeSpace, complement_of};
+use super::space::{Around, FreeSpace, Outlines, complement_of};
 use super::take::{Pieces, Surfaces, TakeSolids, take_all};
 use crate::answers::Resources;
 use crate::cache::{Content, Kind};
@@ -54,26 +54,6 @@ pub(crate) enum Source<'a, const D: usize> {
     Solids(Cut<'a, D>),
     /// Solids by their surfaces alone.
     Outlines(Outlines<D>),
-}
-
-/// Solids by their surfaces.
-#[derive(Debug, Clone)]
-pub(crate) struct Outlines<const D: usize> {
-    pub(super) walls: Arc<Entry<Walls<D>>>,
-    /// As the request gives them.
-    bounds: Option<AxisBox<D>>,
-}
-
-impl<const D: usize> Outlines<D> {
-    pub(crate) fn walls(&self) -> &Walls<D> {
-        &self.walls
-    }
-
-    /// Within what a body is to stay until it is out: the bounds that the request gives, or those
-    /// of the solids.
-    pub(crate) fn bounds(&self) -> Option<AxisBox<D>> {
-        self.bounds.or_else(|| self.walls.bounds())
-    }
 }
 
 impl<'a, const D: usize> Source<'a, D> {

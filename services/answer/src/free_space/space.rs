@@ -13,7 +13,26 @@ use crate::entries::Entry;
 use crate::refuse::Refused;
 
 use super::made::Made;
-use super::source::Outlines;
+
+/// Solids by their surfaces.
+#[derive(Debug, Clone)]
+pub(crate) struct Outlines<const D: usize> {
+    pub(super) walls: Arc<Entry<Walls<D>>>,
+    /// As the request gives them.
+    pub(super) bounds: Option<AxisBox<D>>,
+}
+
+impl<const D: usize> Outlines<D> {
+    pub(crate) fn walls(&self) -> &Walls<D> {
+        &self.walls
+    }
+
+    /// Within what a body is to stay until it is out: the bounds that the request gives, or those
+    /// of the solids.
+    pub(crate) fn bounds(&self) -> Option<AxisBox<D>> {
+        self.bounds.or_else(|| self.walls.bounds())
+    }
+}
 
 /// Where a body can move. What took long to make belongs to the cache, and is held while the
 /// request lasts.

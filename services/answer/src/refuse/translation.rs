@@ -1,6 +1,6 @@
 //! Parts that no translation takes out.
 
-use planning::translation::{Narrow, NoWay, Wish};
+use planning::translation::{Demand, Narrow, NoWay};
 use schemas::message::{ErrorCode, Refusal};
 
 use super::refused::Refused;
@@ -18,7 +18,7 @@ pub(crate) fn no_junctions(field: String, has: usize) -> Refusal {
 pub(crate) fn no_way<const D: usize>(
     axes: &Axes,
     field: String,
-    wish: Wish<D>,
+    wish: Demand<D>,
     error: NoWay<D>,
 ) -> Refused {
     let outside = |message| Refusal::new(ErrorCode::BodyOutsideFreeSpace, message);
@@ -53,9 +53,9 @@ pub(crate) fn no_way<const D: usize>(
         }
         NoWay::TooMuch { part } => {
             let (axis, asked) = match wish {
-                Wish::Gap(gap) => (Some(axes[gap.imax()]), gap.max()),
-                Wish::AtLeast(asked) | Wish::MoreThan(asked) => (None, asked),
-                Wish::Part(part) => (None, part),
+                Demand::Gap(gap) => (Some(axes[gap.imax()]), gap.max()),
+                Demand::AtLeast(asked) | Demand::MoreThan(asked) => (None, asked),
+                Demand::Part(part) => (None, part),
             };
             let most = asked * part;
             let message = format!(

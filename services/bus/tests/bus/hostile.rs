@@ -68,12 +68,12 @@ mod other {
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::RequestHeader#0000000000000000")]
-    pub(crate) struct RequestHeader([u64; 32], [u64; 11]);
+    pub(crate) struct RequestHeader([u64; 32], [u64; 26]);
 
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::ReplyHeader#0000000000000000")]
-    pub(crate) struct ReplyHeader([u64; 21]);
+    pub(crate) struct ReplyHeader([u64; 23]);
 
     pub(crate) type Builder = iceoryx2::service::builder::request_response::Builder<
         [u64],

@@ -30,14 +30,14 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A part of a circle, run through from `start` by `sweep`.
 #[derive(Debug, Clone, Copy)]
-struct Rounding {
+struct RoundedCorner {
     center: Vector<2>,
     radius: f64,
     start: f64,
     sweep: f64,
 }
 
-impl Rounding {
+impl RoundedCorner {
     fn at(&self, part: f64) -> Vector<2> {
         let (sin, cos) = libm::sincos(self.start + part * self.sweep);
         self.center + Vector::from([cos, sin]) * self.radius
@@ -129,13 +129,13 @@ impl WayPoint {
     }
 
     /// The arc that leaves and meets the legs at this distance from the corner.
-    fn arc(&self, reach: f64) -> Rounding {
+    fn arc(&self, reach: f64) -> RoundedCorner {
         let radius = reach / libm::tan(0.5 * self.turn.abs());
         let sense = self.turn.signum();
         let inwards = Vector::from([-self.before.y, self.before.x]) * sense;
         let out = -inwards;
         let center = self.at - self.before * reach + inwards * radius;
-        Rounding { center, radius, start: libm::atan2(out.y, out.x), sweep: self.turn }
+        RoundedCorner { center, radius, start: libm::atan2(out.y, out.x), sweep: self.turn }
     }
 }
 
@@ -143,7 +143,7 @@ impl WayPoint {
 fn clearance_on_arc<const D: usize>(
     outline: &[Vector<2>],
     walls: &Walls<D>,
-    arc: &Rounding,
+    arc: &RoundedCorner,
     budget: &Budget<'_>,
 ) -> Result<Clearance<D>, Spent> {
     // The arc lies in the box around its middle of half its length.
@@ -164,7 +164,7 @@ fn clearance_on_arc<const D: usize>(
         let (a, b) = (planar(&wall.from), planar(&wall.to));
         for (vertex, next) in polygon::edges(outline) {
             // The body's vertex runs along the arc; the wall's end runs backwards past an edge.
-            let shifted = Rounding { center: arc.center + vertex, ..*arc };
+            let shifted = RoundedCorner { center: arc.center + vertex, ..*arc };
             let (value, at) = shifted.distance((&a, &b));
             if value < nearest.value {
                 let place = shifted.at(at);
@@ -172,7 +172,8 @@ fn clearance_on_arc<const D: usize>(
                 nearest = Clearance { value, at, wall };
             }
             for end in [a, b] {
-                let mirrored = Rounding { center: end - arc.center, start: arc.start + PI, ..*arc };
+                let mirrored =
+                    RoundedCorner { center: end - arc.center, start: arc.start + PI, ..*arc };
                 let (value, at) = mirrored.distance((&vertex, &next));
                 if value < nearest.value {
                     nearest = Clearance { value, at, wall: spatial(&end) };
@@ -333,7 +334,7 @@ mod tests {
             start in -PI..PI, sweep in prop_oneof![0.1..3.0_f64, -3.0..-0.1_f64],
             ends in prop::array::uniform4(-4.0..4.0_f64),
         ) {
-            let arc = Rounding { center: center.into(), radius, start, sweep };
+            let arc = RoundedCorner { center: center.into(), radius, start, sweep };
             let [a, b, c, d] = ends;
             let (a, b) = (Vector::from([a, b]), Vector::from([c, d]));
             let (value, at) = arc.distance((&a, &b));

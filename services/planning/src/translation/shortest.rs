@@ -46,7 +46,7 @@ impl Out {
 
 /// A displacement that can be reached.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct Settled {
     at: Vector<2>,
     /// The side on which the sum is that the way touches here; `None` at the start.
     side: Option<Side>,
@@ -94,15 +94,15 @@ impl Ord for Line {
     }
 }
 
-type Key = (u64, u64, bool);
+type StepKey = (u64, u64, bool);
 
-struct Search<'s, 'a, 'b> {
+struct WaySearch<'s, 'a, 'b> {
     sums: &'s mut Sums<'a>,
     out: Out,
     budget: &'b Budget<'b>,
     held: Held<'b>,
-    places: Vec<Place>,
-    by_key: BTreeMap<Key, usize>,
+    places: Vec<Settled>,
+    by_key: BTreeMap<StepKey, usize>,
     queue: BinaryHeap<Line>,
     turn: u64,
     known: Vec<usize>,
@@ -115,7 +115,7 @@ pub(super) fn shortest(
     out: Out,
     budget: &Budget<'_>,
 ) -> Result<Option<Vec<Vector<2>>>, Spent> {
-    let mut search = Search {
+    let mut search = WaySearch {
         sums,
         out,
         budget,
@@ -128,7 +128,7 @@ pub(super) fn shortest(
         bytes: 0,
     };
     let nowhere = Vector::zeros();
-    let start = Place { at: nowhere, side: None, along: nowhere, length: 0.0, before: 0 };
+    let start = Settled { at: nowhere, side: None, along: nowhere, length: 0.0, before: 0 };
     search.places.push(start);
     search.expand(0)?;
     while let Some(line) = search.queue.pop() {
@@ -147,23 +147,23 @@ pub(super) fn shortest(
             continue;
         }
         let Some(side) = side else { return Ok(Some(search.way(from, to))) };
-        search.reach(Place { at: to, side: Some(side), along, length, before: from })?;
+        search.reach(Settled { at: to, side: Some(side), along, length, before: from })?;
     }
     Ok(None)
 }
 
-fn key(at: &Vector<2>, side: Side) -> Key {
+fn key(at: &Vector<2>, side: Side) -> StepKey {
     // No negative zero.
     ((at.x + 0.0).to_bits(), (at.y + 0.0).to_bits(), side == Side::Left)
 }
 
-impl Search<'_, '_, '_> {
+impl WaySearch<'_, '_, '_> {
     fn is_beaten(&self, at: &Vector<2>, side: Side, length: f64) -> bool {
         let known = self.by_key.get(&key(at, side));
         known.is_some_and(|place| self.places[*place].length <= length)
     }
 
-    fn reach(&mut self, place: Place) -> Result<(), Spent> {
+    fn reach(&mut self, place: Settled) -> Result<(), Spent> {
         let Some(side) = place.side else { return Ok(()) };
         let index = match self.by_key.get(&key(&place.at, side)) {
             Some(index) => *index,
@@ -276,7 +276,7 @@ impl Search<'_, '_, '_> {
 
     /// Whether a taut way that arrives at a place can go on by `way`: straight on, or towards the
     /// side of the sum that it touches there.
-    fn goes_on(&self, place: &Place, way: &Vector<2>, turns: Side) -> bool {
+    fn goes_on(&self, place: &Settled, way: &Vector<2>, turns: Side) -> bool {
         let arriving = place.at - self.places[place.before].at;
         let least = 4.0 * self.sums.tolerance();
         let (before, after) = (arriving.norm(), way.norm());

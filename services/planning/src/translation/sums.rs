@@ -47,7 +47,7 @@ pub(super) struct Obstacles<'a> {
 /// The distance that the body is to keep from each wall, or what it has where that is relaxed, if
 /// it is less.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Margin {
+pub(super) enum SumMargin {
     /// None: contact is allowed.
     Contact,
     /// Along each axis, metres: a box around the body.
@@ -58,7 +58,7 @@ pub(super) enum Margin {
     Overlap(f64),
 }
 
-impl Margin {
+impl SumMargin {
     fn polygon(&self) -> Vec<Vector<2>> {
         match self {
             Self::Contact | Self::Overlap(_) => vec![Vector::zeros()],
@@ -74,14 +74,14 @@ impl Margin {
 /// A face of a sum: its outward unit normal, and how far the sum reaches along it, metres, less
 /// what counts as contact.
 #[derive(Debug, Clone, Copy)]
-struct Face {
+struct SumSide {
     normal: Vector<2>,
     reach: f64,
 }
 
 /// The sum of one wall and one piece.
 #[derive(Debug, Clone)]
-struct Sum {
+struct PieceSum {
     wall: usize,
     piece: usize,
     /// Whether it has been in the way.
@@ -98,7 +98,7 @@ struct Sum {
 #[derive(Debug)]
 pub(super) struct Sums<'a> {
     obstacles: Obstacles<'a>,
-    margin: Margin,
+    margin: SumMargin,
     /// The margin as a polygon.
     around: Vec<Vector<2>>,
     /// The pieces with the margin around them, and their bounds.
@@ -108,24 +108,24 @@ pub(super) struct Sums<'a> {
     reach: f64,
     /// By wall and piece.
     made: BTreeMap<(usize, usize), usize>,
-    sums: Vec<Sum>,
+    sums: Vec<PieceSum>,
     vertices: Vec<Vector<2>>,
     /// What covers a vertex, if anything does; `None` where nobody has looked.
     covers: Vec<Option<Option<usize>>>,
-    faces: Vec<Face>,
+    faces: Vec<SumSide>,
     /// Bytes taken from the budget.
     held: usize,
 }
 
 impl<'a> Sums<'a> {
-    pub(super) fn new(obstacles: Obstacles<'a>, margin: Margin) -> Self {
+    pub(super) fn new(obstacles: Obstacles<'a>, margin: SumMargin) -> Self {
         let around = margin.polygon();
         let enlarged: Vec<Vec<Vector<2>>> = obstacles
             .pieces
             .iter()
             .map(|piece| match margin {
-                Margin::Contact | Margin::Overlap(_) => piece.clone(),
-                Margin::PerAxis(_) | Margin::Around(_) => {
+                SumMargin::Contact | SumMargin::Overlap(_) => piece.clone(),
+                SumMargin::PerAxis(_) | SumMargin::Around(_) => {
                     let mut sum = Vec::new();
                     convex::sum(piece, &around, &mut sum);
                     sum
@@ -253,7 +253,7 @@ impl<'a> Sums<'a> {
     fn part_within(&self, sum: usize, (from, to): (&Vector<2>, &Vector<2>)) -> f64 {
         let along = to - from;
         let (mut enter, mut exit) = (0.0_f64, 1.0_f64);
-        for Face { normal, reach } in &self.faces[self.sums[sum].faces.clone()] {
+        for SumSide { normal, reach } in &self.faces[self.sums[sum].faces.clone()] {
             let depth = reach - normal.dot(from);
             let rate = normal.dot(&along);
             if rate > 0.0 {
@@ -286,11 +286,11 @@ impl<'a> Sums<'a> {
         let enlarged = if is_limit { &self.obstacles.pieces[piece] } else { &self.enlarged[piece] };
         convex::sum(enlarged, &[wall.from, wall.to], &mut polygon);
         let mut slack = self.obstacles.tolerance;
-        if let (false, Margin::Overlap(depth)) = (is_limit, &self.margin) {
+        if let (false, SumMargin::Overlap(depth)) = (is_limit, &self.margin) {
             slack = self.obstacles.rounding;
             polygon = convex::inset(&polygon, *depth);
         } else if !is_limit
-            && self.margin != Margin::Contact
+            && self.margin != SumMargin::Contact
             && !self.reduce(piece, wall, &mut polygon)
         {
             slack = self.obstacles.rounding;
@@ -303,8 +303,8 @@ impl<'a> Sums<'a> {
         let (first, first_face) = (self.vertices.len(), self.faces.len());
         self.vertices.extend(&polygon);
         self.covers.resize(self.vertices.len(), None);
-        let faces =
-            convex::normals(&polygon).map(|(normal, reach)| Face { normal, reach: reach - slack });
+        let faces = convex::normals(&polygon)
+            .map(|(normal, reach)| SumSide { normal, reach: reach - slack });
         self.faces.extend(faces);
         let bytes = polygon.len() * BYTES_PER_VERTEX + BYTES_PER_SUM;
         budget.hold(bytes)?;
@@ -313,7 +313,7 @@ impl<'a> Sums<'a> {
         let sum = self.sums.len();
         let [min, max] = bounds_of(&polygon);
         let middle = if polygon.is_empty() { Vector::zeros() } else { (min + max) / 2.0 };
-        self.sums.push(Sum {
+        self.sums.push(PieceSum {
             wall: index,
             piece,
             is_known: false,
@@ -341,7 +341,7 @@ impl<'a> Sums<'a> {
             };
             // Beside all of the body.
             let apart = (low + bounds[0] - end).sup(&(end - high - bounds[1]));
-            if let Margin::PerAxis(gap) = &self.margin
+            if let SumMargin::PerAxis(gap) = &self.margin
                 && wall.is_axis_parallel()
                 && apart.max() >= -tolerance
             {
@@ -352,7 +352,7 @@ impl<'a> Sums<'a> {
                 convex::sum(&self.obstacles.pieces[piece], &[wall.from, wall.to], &mut bare);
                 let [min, max] = bounds_of(&bare);
                 let apart = (min - end).sup(&(end - max));
-                if matches!(self.margin, Margin::PerAxis(_)) && apart.max() >= -tolerance {
+                if matches!(self.margin, SumMargin::PerAxis(_)) && apart.max() >= -tolerance {
                     limit(apart);
                 } else {
                     part = part.min(part_of(&bare, end, &self.around).max(0.0));
@@ -364,7 +364,7 @@ impl<'a> Sums<'a> {
         }
         let around = match &self.margin {
             // A box of less than the whole gap, which may be flat.
-            Margin::PerAxis(gap) => Margin::PerAxis((gap * part).inf(&most)).polygon(),
+            SumMargin::PerAxis(gap) => SumMargin::PerAxis((gap * part).inf(&most)).polygon(),
             _ => self.around.iter().map(|vertex| vertex * part).collect(),
         };
         convex::sum(&self.obstacles.pieces[piece], &[wall.from, wall.to], &mut bare);
@@ -392,9 +392,9 @@ impl<'a> Sums<'a> {
         let polygon = self.vertices(sum);
         let tolerance = self.obstacles.rounding;
         let count = polygon.len();
-        let Sum { faces, slack, .. } = &self.sums[sum];
+        let PieceSum { faces, slack, .. } = &self.sums[sum];
         let faces = &self.faces[faces.clone()];
-        let beyond = |face: &Face| face.normal.dot(point) - face.reach - slack;
+        let beyond = |face: &SumSide| face.normal.dot(point) - face.reach - slack;
         let Some(mut left) = faces.last().map(beyond) else { return };
         for (at, (vertex, face)) in polygon.iter().zip(faces).enumerate() {
             // A line touches where one side faces the point and the next does not.
@@ -428,7 +428,7 @@ impl<'a> Sums<'a> {
         budget: &Budget<'_>,
     ) -> Result<Option<(usize, Vector<2>)>, Spent> {
         let Some(sum) = self.in_the_way((at, at), budget)? else { return Ok(None) };
-        let Sum { wall, vertices, .. } = &self.sums[sum];
+        let PieceSum { wall, vertices, .. } = &self.sums[sum];
         let faces = convex::normals(&self.vertices[vertices.clone()]);
         let out = faces.map(|(normal, reach)| normal * (reach - normal.dot(at)));
         let least = out.min_by(|a, b| a.norm().total_cmp(&b.norm()));
@@ -438,7 +438,7 @@ impl<'a> Sums<'a> {
     /// Across which direction a way lies deepest in the bare sums of the body, and the wall.
     pub(super) fn deepest(&self, way: &[Vector<2>]) -> Option<(usize, Vector<2>)> {
         let mut deepest: Option<(f64, usize, Vector<2>)> = None;
-        for Sum { wall, piece, .. } in &self.sums {
+        for PieceSum { wall, piece, .. } in &self.sums {
             let Some(side) = self.obstacles.walls.as_slice().get(*wall) else { continue };
             let mut bare = Vec::new();
             convex::sum(&self.obstacles.pieces[*piece], &[side.from, side.to], &mut bare);

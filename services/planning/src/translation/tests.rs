@@ -1,7 +1,7 @@
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
-use super::{NoWay, Wish};
+use super::{Demand, NoWay};
 use crate::budget::Budget;
 use crate::clearance::translating::{Body, clearance_body_legs};
 use crate::disassembly::DisassemblyPath;
@@ -13,7 +13,7 @@ use scene::{Scene, length, scenes};
 mod judge;
 mod scene;
 
-const CONTACT: Wish<2> = Wish::AtLeast(0.0);
+const CONTACT: Demand<2> = Demand::AtLeast(0.0);
 
 /// Random scenes of all kinds, the same in each run.
 fn each_scene(count: usize, mut check: impl FnMut(&Scene)) {
@@ -83,7 +83,7 @@ fn ways_keep_what_is_asked() {
         let at_start = clearances(scene, &[Vector::zeros(); 2]).0;
         let slack = 1e-9 * scene.extent();
         for gap in [0.01, 0.05, 0.2] {
-            for wish in [Wish::Gap(Vector::from([gap, gap])), Wish::AtLeast(gap)] {
+            for wish in [Demand::Gap(Vector::from([gap, gap])), Demand::AtLeast(gap)] {
                 let Ok(way) = scene.plan(wish) else { continue };
                 let (whole, _) = clearances(scene, &way);
                 let at_end = clearances(scene, &[way[way.len() - 1]; 2]).0;
@@ -102,7 +102,7 @@ fn ways_keep_what_is_asked() {
 fn no_gap_beats_the_safest() {
     let mut compared = 0;
     each_scene(60, |scene| {
-        let Ok(way) = scene.plan(Wish::Part(1.0)) else {
+        let Ok(way) = scene.plan(Demand::Part(1.0)) else {
             assert!(scene.plan(CONTACT).is_err());
             return;
         };
@@ -110,7 +110,7 @@ fn no_gap_beats_the_safest() {
         let slack = 2e-9 * scene.extent();
         for step in 1..20 {
             let gap = f64::from(step) * 0.03;
-            let Ok(way) = scene.plan(Wish::Gap(Vector::from([gap, gap]))) else { break };
+            let Ok(way) = scene.plan(Demand::Gap(Vector::from([gap, gap]))) else { break };
             let found = clearances(scene, &way).0;
             assert!(found <= safest + slack, "gap {gap}: {found}, safest {safest} {scene:?}");
             compared += 1;
@@ -124,7 +124,7 @@ fn what_a_gap_is_refused_for_is_the_least_that_would_do() {
     let mut refused = 0;
     each_scene(60, |scene| {
         let gap = 0.3;
-        let wish = |part: f64| Wish::Gap(Vector::from([gap, gap]) * part);
+        let wish = |part: f64| Demand::Gap(Vector::from([gap, gap]) * part);
         let Err(NoWay::TooMuch { part }) = scene.plan(wish(1.0)) else { return };
         refused += 1;
         assert!(scene.plan(wish(part + 1e-6)).is_err());
@@ -171,7 +171,7 @@ fn way_between_two_corners_is_exact() {
     solids.push(scene::space([6.0, -1.0], [7.0, 6.0]));
     let small = scene::placed(&scene::space([0.0, 0.0], [0.1, 0.1]), 0.0, [1.0, 1.5].into());
     let scene = scene::scene(solids, small);
-    let way = scene.plan(Wish::Part(1.0)).unwrap();
+    let way = scene.plan(Demand::Part(1.0)).unwrap();
     // The tips are 1.2 m and 1.6 m apart along the axes, the square takes 0.1 m of each.
     let expected = libm::hypot(1.1, 1.5) / 2.0;
     let (whole, _) = clearances(&scene, &way);

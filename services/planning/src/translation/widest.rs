@@ -1,7 +1,7 @@
 //! The way with the greatest clearance.
 
 use super::convex;
-use super::sums::{Margin, Obstacles};
+use super::sums::{Obstacles, SumMargin};
 use crate::budget::{Budget, Spent};
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::distance::{distance_segment_segment, nearest_on_segment};
@@ -27,12 +27,12 @@ const STEPS_PER_PAIR: u64 = 8;
 
 /// Directions of the sides of a polygon around a circle.
 #[derive(Debug, Clone)]
-pub(super) struct Circle {
+pub(super) struct CirclePolygon {
     /// Unit normals, counter-clockwise from +x.
     angles: Vec<f64>,
 }
 
-impl Circle {
+impl CirclePolygon {
     /// No polygon reaches farther beyond its circle than to this multiple of its radius.
     pub(super) const BEYOND: f64 = 1.02;
 
@@ -69,16 +69,16 @@ impl Circle {
     }
 
     /// The polygon around a circle of this radius, metres.
-    pub(super) fn margin(&self, radius: f64) -> Margin {
+    pub(super) fn margin(&self, radius: f64) -> SumMargin {
         if radius <= 0.0 {
-            return Margin::Contact;
+            return SumMargin::Contact;
         }
         let next = self.angles.iter().skip(1).chain(&self.angles[..1]);
         let corner = |(a, b): (&f64, &f64)| {
             let half = if b > a { (b - a) / 2.0 } else { (b + std::f64::consts::TAU - a) / 2.0 };
             unit(a + half) * (radius / libm::cos(half))
         };
-        Margin::Around(self.angles.iter().zip(next).map(corner).collect())
+        SumMargin::Around(self.angles.iter().zip(next).map(corner).collect())
     }
 }
 

@@ -106,7 +106,7 @@ fn generate(variant: Variant) -> Vec<u8> {
         .block(topic::ENCODING.as_bytes())
         .block(b"words")
         .record(op::SCHEMA, pad);
-    let version = Body::default().block(format::VERSION_KEY.as_bytes()).block(b"2");
+    let version = Body::default().block(format::VERSION_KEY.as_bytes()).block(b"3");
     let channel = Body::default()
         .u16(1)
         .u16(1)

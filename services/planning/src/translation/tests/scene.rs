@@ -8,7 +8,7 @@ use crate::clearance::translating::Body;
 use crate::free_space::walls::Walls;
 use crate::geometry::polygon::Polygon;
 use crate::geometry::{AxisBox, Direction, Sign, Vector, rotated, unit};
-use crate::translation::{Cavity, NoWay, Part, Wish};
+use crate::translation::{Cavity, Demand, MovedPart, NoWay};
 
 /// A convex polygon.
 pub(super) type Convex = Vec<Vector<2>>;
@@ -201,18 +201,18 @@ impl Scene {
     }
 
     /// What the planner says.
-    pub(super) fn plan(&self, wish: Wish<2>) -> Result<Vec<Vector<2>>, NoWay<2>> {
+    pub(super) fn plan(&self, wish: Demand<2>) -> Result<Vec<Vector<2>>, NoWay<2>> {
         self.plan_to(Direction { axis: 1, sign: Sign::Positive }, wish)
     }
 
     pub(super) fn plan_to(
         &self,
         exit: Direction,
-        wish: Wish<2>,
+        wish: Demand<2>,
     ) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let budget = Budget::default();
         let (walls, body) = (self.walls(), Polygon::new(self.outline.clone(), &budget).unwrap());
-        let part = Part::new(&Body::from_polygon(&body), &budget)?;
+        let part = MovedPart::new(&Body::from_polygon(&body), &budget)?;
         Cavity { part: &part, walls: &walls, bounds: self.bounds, exit }.plan(wish, &budget)
     }
 
