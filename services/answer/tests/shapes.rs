@@ -35,6 +35,25 @@ fn wedge_leaves_its_groove() {
     }
 }
 
+/// Beyond the mouth it goes on to the goal, as a part in channels does.
+#[test]
+fn wedge_goes_on_to_its_goal() {
+    let wedge = r#""body": {"polygon": [[3.25,1.25], [4.75,1.25], [6,2.5], [2,2.5]]}"#;
+    let to = |goal: &str| {
+        let clearance = r#""clearance": {"gap": 0.1}"#;
+        plan(&format!(
+            r#"{}, {wedge}, {clearance}, "goal": {{"position": {goal}}}"#,
+            solids(GROOVE)
+        ))
+    };
+    let found = to("[3, 5.75]").unwrap();
+    assert_eq!((found.length, found.legs.len()), (1.75 + 5.0, 2), "{found:?}");
+    assert_eq!(found.samples.last().unwrap().position, [3.0, 5.75, 0.0]);
+    assert_eq!((found.clearance.value, found.clearance.at), (0.25, 0.0));
+    assert_eq!(to("[0, 5]").unwrap().legs.len(), 1);
+    assert_eq!(to("[0, 1]").unwrap_err().code, ErrorCode::GoalOutsideFreeSpace);
+}
+
 #[test]
 fn notched_part_is_lifted_off_a_post() {
     for (play, gap) in [(0.25, 0.125), (0.25, 0.5), (0.0, 0.1)] {

@@ -1,7 +1,7 @@
 use roxmltree::{Document, Node};
 use schemas::message::{
-    AxisBox, Body, ClearanceWish, Curve, ErrorCode, FreeSpace, Gap, Leg, Request, RequestContent,
-    RequestKey, Sample, Solid, Vector,
+    AxisBox, Body, ClearanceWish, Curve, ErrorCode, Frames, FreeSpace, Gap, Leg, Pose, Request,
+    RequestContent, RequestKey, Sample, Solid, Vector,
 };
 
 use super::*;
@@ -61,6 +61,29 @@ fn path_numbers(document: &Document, panel: usize) -> Vec<f64> {
     let data = of_class(document, "path")[panel].attribute("d").expect("path data");
     let numbers = data.split(['M', 'L', 'A', ' ']).filter(|text| !text.is_empty());
     numbers.map(|text| text.parse().expect("a number")).collect()
+}
+
+/// Drawn lying on its side, and turned upright by its frame.
+#[test]
+fn body_is_drawn_in_the_fixed_frame() {
+    let (plain, reply) = planned(DISASSEMBLE);
+    let Body::Polygon(vertices) = &plain.body else { panic!("a polygon") };
+    let lying = vertices.iter().map(|vertex| {
+        let [x, z, _] = world::point(vertex);
+        Vector::from([z - 1.0, 4.0 - x])
+    });
+    let mut turned = plain.clone();
+    turned.body = Body::Polygon(lying.collect());
+    let pose = |position: [f64; 2], heading| Pose { position: position.into(), heading };
+    turned.frames = Some(Frames {
+        fixed: pose([0.0, 0.0], 0.0),
+        fixed_at_end: None,
+        moving: Some(pose([4.0, 1.0], std::f64::consts::FRAC_PI_2)),
+        samples: None,
+    });
+    // The title has its size as it is given.
+    let picture = sound(&turned, &reply).replace("2.99 × 2.49", "2.49 × 2.99");
+    assert_eq!(picture, sound(&plain, &reply));
 }
 
 #[test]
