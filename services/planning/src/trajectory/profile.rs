@@ -260,15 +260,13 @@ impl Bound {
         reached * reached
     }
 
-    /// The motion from `entry` to `exit` (both squares) with ramps of three phases each. Its `end`
-    /// is still its duration.
-    fn phase_with_jerk(&self, exit: f64) -> Phase {
-        let Self { leg, in_place, length, acceleration, jerk, most, entry } = *self;
-        let ramping = self.ramping();
-        let (entry, exit) = (entry.sqrt(), exit.sqrt());
-        let peak = ramping.peak((entry, exit), most.sqrt(), length);
-        let Ramp { time: rise_time, distance: rise } = ramping.ramp(entry, peak);
-        let Ramp { time: fall_time, distance: fall } = ramping.ramp(peak, exit);
+    /// The motion from `entry` to `exit` (both squares). Its `end` is still its duration.
+    fn phase(&self, exit: f64) -> Phase {
+        let Self { leg, in_place, length, acceleration, jerk, .. } = *self;
+        let SpeedRamps { speeds: [entry, peak, exit], up, down } =
+            if self.ramping().has_jerk() { self.s_curve(exit) } else { self.trapezoid(exit) };
+        let [Ramp { time: rise_time, distance: rise }, Ramp { time: fall_time, distance: fall }] =
+            [up, down];
         let cruise = (length - rise - fall).max(0.0);
         Phase {
             leg,
@@ -290,42 +288,36 @@ impl Bound {
         }
     }
 
-    /// The trapezoid or triangle of speed from `entry` to `exit` (both squares). Its `end`
-    /// is still its duration.
-    fn phase(&self, exit: f64) -> Phase {
-        let Self { leg, in_place, length, acceleration, jerk, most, entry } = *self;
-        if self.ramping().has_jerk() {
-            return self.phase_with_jerk(exit);
-        }
+    /// Ramps of three phases each from `entry` to `exit` (both squares).
+    fn s_curve(&self, exit: f64) -> SpeedRamps {
+        let ramping = self.ramping();
+        let [entry, exit] = [self.entry.sqrt(), exit.sqrt()];
+        let peak = ramping.peak((entry, exit), self.most.sqrt(), self.length);
+        let [up, down] = [ramping.ramp(entry, peak), ramping.ramp(peak, exit)];
+        SpeedRamps { speeds: [entry, peak, exit], up, down }
+    }
+
+    /// The trapezoid or triangle of speed from `entry` to `exit` (both squares).
+    fn trapezoid(&self, exit: f64) -> SpeedRamps {
+        let Self { length, acceleration, most, entry, .. } = *self;
         // The speed at which rising and falling would meet: p^2 - entry + p^2 - exit = 2 a l.
         let meeting = acceleration * length + 0.5 * (entry + exit);
         let peak = meeting.min(most).max(entry).max(exit);
-        let rise = (peak - entry) / (2.0 * acceleration);
-        let fall = (peak - exit) / (2.0 * acceleration);
-        let cruise = (length - rise - fall).max(0.0);
-        let (entry, peak, exit) = (entry.sqrt(), peak.sqrt(), exit.sqrt());
+        let [rise, fall] = [entry, exit].map(|end| (peak - end) / (2.0 * acceleration));
+        let [entry, peak, exit] = [entry, peak, exit].map(f64::sqrt);
         // Length over mean speed: a difference of speeds would cancel on short legs.
-        let rise_time = 2.0 * rise / (entry + peak);
-        let fall_time = 2.0 * fall / (peak + exit);
-        Phase {
-            leg,
-            in_place,
-            start: 0.0,
-            end: rise_time + cruise / peak + fall_time,
-            offset: 0.0,
-            end_offset: 0.0,
-            length,
-            acceleration,
-            jerk,
-            entry,
-            peak,
-            exit,
-            rise,
-            rise_time,
-            fall,
-            fall_time,
-        }
+        let up = Ramp { time: 2.0 * rise / (entry + peak), distance: rise };
+        let down = Ramp { time: 2.0 * fall / (peak + exit), distance: fall };
+        SpeedRamps { speeds: [entry, peak, exit], up, down }
     }
+}
+
+/// How a leg gains speed and loses it.
+struct SpeedRamps {
+    /// At its start, between, and at its end, m/s.
+    speeds: [f64; 3],
+    up: Ramp,
+    down: Ramp,
 }
 
 impl Phase {
