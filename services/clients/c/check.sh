@@ -59,7 +59,7 @@ for program in "${plan[@]}"; do
 done
 "$programs/planner" --domain check 2>"$folder/planner.log" &
 planner=$!
-trap 'kill "$planner" 2>/dev/null; wait "$planner" 2>/dev/null || true' EXIT
+trap 'kill "$planner" 2>/dev/null || true; wait "$planner" 2>/dev/null || true' EXIT
 for _ in $(seq 500); do grep -q ready "$folder/planner.log" && break; sleep 0.02; done
 compared=0
 for scene in "$scenes"/*.json; do
