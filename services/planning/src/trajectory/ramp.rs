@@ -158,8 +158,13 @@ mod tests {
         ) {
             let reached = ramping.reach(speed, length);
             prop_assert!(reached >= speed);
-            let there = ramping.ramp(speed, reached).distance;
-            prop_assert!((there - length).abs() <= 1e-12 * length.max(there), "{there} {length}");
+            // To rounding of the speed, which on a short ramp is a large part of the change.
+            let [short, long] = [-4.0, 4.0].map(|part| {
+                let near = reached * (1.0 + part * f64::EPSILON);
+                ramping.ramp(speed, near.max(speed)).distance
+            });
+            let is_within = short <= length * (1.0 + 1e-12) && length <= long * (1.0 + 1e-12);
+            prop_assert!(is_within, "{short} {length} {long}");
         }
 
         #[test]
