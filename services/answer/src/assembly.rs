@@ -25,7 +25,7 @@ use crate::stop::StopFlag;
 use crate::wish::{Gaps, Wish, Wishes};
 
 mod course;
-mod frames;
+pub(crate) mod frames;
 mod gap;
 mod slide;
 

@@ -69,6 +69,7 @@ use sink::{AnySink, SinkFailed, with_any_sink};
 use stop::Watched;
 use wish::Wishes;
 
+pub use assembly::frames::body_in_fixed_frame;
 pub use caps::Caps;
 pub use entries::CacheStats;
 #[cfg(all(feature = "altered-rules", debug_assertions))]

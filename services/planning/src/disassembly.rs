@@ -155,11 +155,8 @@ impl<const D: usize> DisassemblyPath<D> {
         self.limits.clear();
         self.gaps.clear();
         self.legs.clear();
-        self.legs.extend(way.windows(2).map(|ends| {
-            let curve = Curve::translation(ends[0], ends[1]);
-            Leg { curve, junction: None, rule: None, rung: None }
-        }));
-        self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
+        self.legs.extend(way.windows(2).map(|ends| without_rule(ends[0], ends[1])));
+        self.measure();
     }
 
     /// Goes on to a place beyond the mouth: straight on where that is ahead along `axis`, the
@@ -172,16 +169,21 @@ impl<const D: usize> DisassemblyPath<D> {
         if (0..D).all(|other| other == axis || (out[other] - to[other]).abs() <= rounding) {
             *out = to;
         } else {
-            let curve = Curve::translation(*out, to);
-            self.legs.push(Leg { curve, junction: None, rule: None, rung: None });
+            let from = *out;
+            self.legs.push(without_rule(from, to));
         }
-        self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
+        self.measure();
     }
 
     /// Takes other legs between the same ends.
     pub fn set_legs(&mut self, legs: &[Leg<D>]) {
         self.legs.clear();
         self.legs.extend_from_slice(legs);
+        self.measure();
+    }
+
+    /// Finds the length from the legs.
+    fn measure(&mut self) {
         self.length = self.legs.iter().map(|leg| leg.curve.length()).sum();
     }
 
@@ -193,6 +195,10 @@ impl<const D: usize> DisassemblyPath<D> {
             leg.curve = leg.curve.reversed();
         }
     }
+}
+
+fn without_rule<const D: usize>(from: Vector<D>, to: Vector<D>) -> Leg<D> {
+    Leg { curve: Curve::translation(from, to), junction: None, rule: None, rung: None }
 }
 
 /// Finds the path of `body` (its bounding box in the assembled state) through `chain`, built
@@ -260,7 +266,7 @@ pub fn disassemble<const D: usize>(
         rule: None,
         rung: None,
     });
-    path.length = path.legs.iter().map(|leg| leg.curve.length()).sum();
+    path.measure();
     Ok(())
 }
 

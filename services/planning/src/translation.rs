@@ -281,11 +281,11 @@ impl Cavity<'_> {
         }
         // It crosses no wall, so it is inside a solid wholly or not at all.
         if let Some(wall) = self.walls.solid_around(&self.part.outline[0], budget)? {
-            let touches = self.part.outline.iter().all(|vertex| {
+            let is_inside = self.part.outline.iter().all(|vertex| {
                 // On a wall's line it may be said to be inside.
                 matches!(self.walls.depth_in_solid(vertex, budget), Ok(Some((_, depth))) if depth > obstacles.tolerance)
             });
-            if touches {
+            if is_inside {
                 let solid = self.walls.solid_of(wall).unwrap_or(0);
                 return Err(NoWay::Overlap { solid, out: None });
             }

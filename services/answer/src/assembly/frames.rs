@@ -7,7 +7,7 @@
 use planning::geometry::Vector;
 use planning::motion::{Curve, Leg};
 use planning::trajectory::Profile;
-use schemas::message::{self, AxisBox, Body, Goal, Refusal, Task};
+use schemas::message::{self, AxisBox, Body, Frames, Goal, Refusal, SceneRequest, Task};
 
 use crate::base_frame::{Base, FramePlace, Teller, check_place};
 use crate::check;
@@ -93,6 +93,20 @@ impl<const D: usize> Ends<D> {
         let turns = legs.iter().any(|leg| matches!(leg.curve, Curve::Arc { .. }));
         let is_told_as_it_is = base.is_none() && self.inside.amax() == 0.0 && !turns;
         (!is_told_as_it_is).then(|| Teller::new(self.inside, base, legs, profile))
+    }
+}
+
+/// The body of an assembly scene as the fixed part's frame sees it, in the assembled state; `None`
+/// where that is as the scene gives it, or the scene is refused.
+pub fn body_in_fixed_frame(scene: &SceneRequest) -> Option<Body> {
+    fn put_by<const D: usize>(scene: &SceneRequest, frames: &Frames) -> Option<Body> {
+        let base: Base<D> = Base::of(frames, scene.task).ok()?;
+        put(&scene.body, Some(&base.assembled), &Vector::zeros()).ok()
+    }
+    let frames = scene.frames.as_ref().filter(|frames| frames.moving.is_some())?;
+    match &scene.body {
+        Body::Box(sides) if sides.min.dimension() == 3 => put_by::<3>(scene, frames),
+        _ => put_by::<2>(scene, frames),
     }
 }
 

@@ -68,26 +68,48 @@ fn plan(desk: &Desk, seen: &Seen, bytes: usize) {
     }
 }
 
+/// Two threads of which one plans at a time.
+struct Planners {
+    desk: Arc<Desk>,
+    seen: Plain<Seen>,
+    threads: [thread::JoinHandle<()>; 2],
+}
+
+impl Planners {
+    /// Parts of requests have so many bytes.
+    fn new(bytes: usize) -> Self {
+        let desk = Arc::new(Desk::new(1, LIMITS));
+        let seen = Plain::new(Seen::default());
+        let threads = [(); 2].map(|()| {
+            let (desk, seen) = (Arc::clone(&desk), Plain::clone(&seen));
+            thread::spawn(move || plan(&desk, &seen, bytes))
+        });
+        Self { desk, seen, threads }
+    }
+
+    /// Ends when so many requests have been planned.
+    fn end_after(self, planned: usize) -> Arc<Desk> {
+        while self.seen.planned.load(Ordering::SeqCst) < planned {
+            thread::yield_now();
+        }
+        self.desk.end();
+        for thread in self.threads {
+            thread.join().unwrap();
+        }
+        self.desk
+    }
+}
+
 /// Two threads of which one plans at a time, and a sequencer that adds two requests and ends when both
 /// are planned.
 #[test]
 fn everything_is_planned_in_turns() {
     model(|| {
-        let desk = Arc::new(Desk::new(1, LIMITS));
-        let seen = Plain::new(Seen::default());
-        let threads = [(); 2].map(|()| {
-            let (desk, seen) = (Arc::clone(&desk), Plain::clone(&seen));
-            thread::spawn(move || plan(&desk, &seen, 0))
-        });
+        let planners = Planners::new(0);
+        let desk = &planners.desk;
         desk.add(job(1), 2).unwrap();
         desk.add(job(2), 2).unwrap();
-        while seen.planned.load(Ordering::SeqCst) < 2 {
-            thread::yield_now();
-        }
-        desk.end();
-        for thread in threads {
-            thread.join().unwrap();
-        }
+        let desk = planners.end_after(2);
         let load = desk.load();
         assert_eq!((load.waiting, load.planning), (Waiting::default(), 0));
         assert_eq!(desk.lock().turns.ask(), None, "the turn is free again");
@@ -98,24 +120,15 @@ fn everything_is_planned_in_turns() {
 #[test]
 fn a_request_is_stopped_or_planned() {
     model(|| {
-        let desk = Arc::new(Desk::new(1, LIMITS));
-        let seen = Plain::new(Seen::default());
-        let threads = [(); 2].map(|()| {
-            let (desk, seen) = (Arc::clone(&desk), Plain::clone(&seen));
-            thread::spawn(move || plan(&desk, &seen, 0))
-        });
+        let planners = Planners::new(0);
+        let desk = &planners.desk;
         let second = job(2);
         let stop = Plain::clone(&second.stop);
         desk.add(job(1), 2).unwrap();
         desk.add(second, 2).unwrap();
         let given_back = usize::from(desk.stop(2, &stop, StopReason::ClientLeft).is_some());
-        while seen.planned.load(Ordering::SeqCst) + given_back < 2 {
-            thread::yield_now();
-        }
-        desk.end();
-        for thread in threads {
-            thread.join().unwrap();
-        }
+        let seen = Plain::clone(&planners.seen);
+        planners.end_after(2 - given_back);
         assert_eq!(seen.planned.load(Ordering::SeqCst) + given_back, 2);
     });
 }
@@ -125,12 +138,8 @@ fn a_request_is_stopped_or_planned() {
 #[test]
 fn who_waits_for_room_goes_on_when_there_is_some() {
     model(|| {
-        let desk = Arc::new(Desk::new(1, LIMITS));
-        let seen = Plain::new(Seen::default());
-        let threads = [(); 2].map(|()| {
-            let (desk, seen) = (Arc::clone(&desk), Plain::clone(&seen));
-            thread::spawn(move || plan(&desk, &seen, 40))
-        });
+        let planners = Planners::new(40);
+        let desk = &planners.desk;
         desk.add(job(1), 2).unwrap();
         desk.add(job(2), 2).unwrap();
         // Both parts do not fit at once.
@@ -142,13 +151,7 @@ fn who_waits_for_room_goes_on_when_there_is_some() {
             }
             thread::yield_now();
         }
-        while seen.planned.load(Ordering::SeqCst) < 2 {
-            thread::yield_now();
-        }
-        desk.end();
-        for thread in threads {
-            thread.join().unwrap();
-        }
+        let desk = planners.end_after(2);
         assert_eq!(desk.load().unsent, 0);
     });
 }

@@ -58,30 +58,17 @@ impl Limits {
             ("yaw_acceleration", yaw_acceleration),
             ("lateral_acceleration", lateral_acceleration),
         ] {
-            // A NaN lies in no range.
-            if !(LEAST..=MOST).contains(&value) {
-                return Err(LimitError::OutOfRange { field, value, least: LEAST, most: MOST });
-            }
+            in_range(field, value)?;
         }
-        let (jerk, yaw_jerk) = (f64::INFINITY, f64::INFINITY);
-        Ok(Self {
-            speed,
-            acceleration,
-            yaw_rate,
-            yaw_acceleration,
-            lateral_acceleration,
-            jerk,
-            yaw_jerk,
-        })
+        let rates = Self { yaw_rate, yaw_acceleration, ..Self::default() };
+        Ok(Self { speed, acceleration, lateral_acceleration, ..rates })
     }
 
     /// The same with limits on the change of acceleration: along the path (m/s3) and in turns in
     /// place (rad/s3). `None`: no limit.
     pub fn with_jerk(self, jerk: Option<f64>, yaw_jerk: Option<f64>) -> Result<Self, LimitError> {
-        let limit = |field, value: Option<f64>| match value {
-            None => Ok(f64::INFINITY),
-            Some(value) if (LEAST..=MOST).contains(&value) => Ok(value),
-            Some(value) => Err(LimitError::OutOfRange { field, value, least: LEAST, most: MOST }),
+        let limit = |field, value: Option<f64>| {
+            value.map_or(Ok(f64::INFINITY), |value| in_range(field, value))
         };
         let (jerk, yaw_jerk) = (limit("jerk", jerk)?, limit("yaw_jerk", yaw_jerk)?);
         Ok(Self { jerk, yaw_jerk, ..self })
@@ -121,6 +108,15 @@ impl Limits {
     /// limit.
     pub fn yaw_jerk(&self) -> f64 {
         self.yaw_jerk
+    }
+}
+
+fn in_range(field: &'static str, value: f64) -> Result<f64, LimitError> {
+    // A NaN lies in no range.
+    if (LEAST..=MOST).contains(&value) {
+        Ok(value)
+    } else {
+        Err(LimitError::OutOfRange { field, value, least: LEAST, most: MOST })
     }
 }
 

@@ -178,6 +178,14 @@ fn angle_order(a: &Vector<2>, b: &Vector<2>) -> f64 {
     }
 }
 
+/// The least and the greatest coordinates of a polygon.
+pub(super) fn bounds(polygon: &[Vector<2>]) -> [Vector<2>; 2] {
+    polygon.iter().fold(
+        [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)],
+        |[min, max], vertex| [min.inf(vertex), max.sup(vertex)],
+    )
+}
+
 /// The farthest that a polygon reaches along `direction`.
 pub(super) fn support(polygon: &[Vector<2>], direction: &Vector<2>) -> f64 {
     polygon.iter().map(|vertex| vertex.dot(direction)).fold(f64::NEG_INFINITY, f64::max)

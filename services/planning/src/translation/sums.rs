@@ -132,7 +132,7 @@ impl<'a> Sums<'a> {
                 }
             })
             .collect();
-        let bounds = enlarged.iter().map(|piece| bounds_of(piece)).collect();
+        let bounds = enlarged.iter().map(|piece| convex::bounds(piece)).collect();
         let beyond = around.iter().map(Vector::norm).fold(0.0, f64::max);
         Self {
             reach: obstacles.radius + beyond,
@@ -311,7 +311,7 @@ impl<'a> Sums<'a> {
         self.held += bytes;
         budget.step(4 + 2 * polygon.len() as u64)?;
         let sum = self.sums.len();
-        let [min, max] = bounds_of(&polygon);
+        let [min, max] = convex::bounds(&polygon);
         let middle = if polygon.is_empty() { Vector::zeros() } else { (min + max) / 2.0 };
         self.sums.push(PieceSum {
             wall: index,
@@ -350,7 +350,7 @@ impl<'a> Sums<'a> {
                 }
             } else if lies_in(polygon, end) {
                 convex::sum(&self.obstacles.pieces[piece], &[wall.from, wall.to], &mut bare);
-                let [min, max] = bounds_of(&bare);
+                let [min, max] = convex::bounds(&bare);
                 let apart = (min - end).sup(&(end - max));
                 if matches!(self.margin, SumMargin::PerAxis(_)) && apart.max() >= -tolerance {
                     limit(apart);
@@ -481,13 +481,6 @@ fn part_of(polygon: &[Vector<2>], point: &Vector<2>, around: &[Vector<2>]) -> f6
 
 fn lies_in(polygon: &[Vector<2>], point: &Vector<2>) -> bool {
     convex::normals(polygon).all(|(normal, reach)| normal.dot(point) < reach)
-}
-
-fn bounds_of(polygon: &[Vector<2>]) -> [Vector<2>; 2] {
-    polygon.iter().fold(
-        [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)],
-        |[min, max], vertex| [min.inf(vertex), max.sup(vertex)],
-    )
 }
 
 /// The reach with some room for rounding.

@@ -92,7 +92,7 @@ pub(super) fn cut_near(
 ) -> Result<Walls<2>, Spent> {
     let mut cut = Walls::default();
     let mut stack = Vec::new();
-    let (min, max) = bounds(outline);
+    let [min, max] = convex::bounds(outline);
     for wall in walls.as_slice() {
         budget.step(1)?;
         let (low, high) = wall.bounds();
@@ -186,8 +186,3 @@ fn between(one: &[Vector<2>], other: &[Vector<2>]) -> Vec<Vector<2>> {
 
 /// Sums beside a way that are compared with each other.
 const MOST_NEAR: usize = 64;
-
-fn bounds(outline: &[Vector<2>]) -> (Vector<2>, Vector<2>) {
-    let first = outline.first().copied().unwrap_or_default();
-    outline.iter().fold((first, first), |(min, max), point| (min.inf(point), max.sup(point)))
-}

@@ -1,8 +1,6 @@
 //! The contents of a scene in metres, safe to draw.
 
-use schemas::message::{
-    AxisBox, Body, Direction, Frames, SceneRequest, Solid, Task, Trajectory, Vector,
-};
+use schemas::message::{AxisBox, Body, Direction, SceneRequest, Solid, Task, Trajectory, Vector};
 
 /// A point, metres; unused coordinates are 0.
 pub(super) type Point = [f64; 3];
@@ -68,31 +66,6 @@ fn corners(sides: &AxisBox) -> [Point; 2] {
 }
 
 impl Shape {
-    /// In the fixed part's frame, where it is assembled; given in the moving part's.
-    fn assembled(self, frames: &Frames, task: Task) -> Self {
-        let Some(moving) = &frames.moving else { return self };
-        let at_end = frames.fixed_at_end.filter(|_| task == Task::Assemble);
-        let fixed = at_end.unwrap_or(frames.fixed);
-        let [to, from] = [point(&moving.position), point(&fixed.position)];
-        let turned = |[x, y, z]: Point, angle: f64| {
-            let (sin, cos) = libm::sincos(tame(angle));
-            [cos * x - sin * y, sin * x + cos * y, z]
-        };
-        let apart = turned([0, 1, 2].map(|axis| to[axis] - from[axis]), -fixed.heading);
-        let turn = moving.heading - fixed.heading;
-        let place = |at: Point| {
-            let at = turned(at, turn);
-            [0, 1, 2].map(|axis| at[axis] + apart[axis])
-        };
-        match self {
-            Self::Box(corners) if turn == 0.0 => Self::Box(corners.map(place)),
-            Self::Box([[a, b, z], [c, d, _]]) => {
-                Self::Polygon([[a, b, z], [c, b, z], [c, d, z], [a, d, z]].map(place).to_vec())
-            }
-            Self::Polygon(vertices) => Self::Polygon(vertices.into_iter().map(place).collect()),
-        }
-    }
-
     /// The outline seen along the axis that is not among `axes`.
     pub(super) fn outline(&self, axes: [usize; 2]) -> Vec<[f64; 2]> {
         let [i, j] = axes;
@@ -149,7 +122,8 @@ impl World {
     pub(super) fn of(scene: &SceneRequest) -> Self {
         let space = &scene.free_space;
         let solids: Vec<Shape> = space.solids.iter().flatten().map(solid).collect();
-        let mover = match &scene.body {
+        let body = answer::body_in_fixed_frame(scene);
+        let mover = match body.as_ref().unwrap_or(&scene.body) {
             Body::Polygon(vertices) => {
                 Mover::Part(Shape::Polygon(vertices.iter().map(point).collect()))
             }
@@ -159,10 +133,6 @@ impl World {
                 front: tame(footprint.front()).abs(),
                 rear: tame(footprint.rear()).abs(),
             }),
-        };
-        let mover = match (mover, &scene.frames) {
-            (Mover::Part(shape), Some(frames)) => Mover::Part(shape.assembled(frames, scene.task)),
-            (mover, _) => mover,
         };
         let boxes = space.channels.iter().flatten();
         let three = boxes.chain(&space.bounds).any(|sides| sides.min.dimension() == 3)
