@@ -47,6 +47,6 @@ pub struct ReplyOptions {
 
 impl Default for ReplyOptions {
     fn default() -> Self {
-        Self { patience: Duration::from_millis(100) }
+        Self { patience: Duration::from_secs(1) }
     }
 }

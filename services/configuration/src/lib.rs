@@ -107,7 +107,7 @@ impl Default for Config {
             max_recorders: 2,
             tap_buffer: 768,
             reserve: false,
-            patience: 0.1,
+            patience: 1.0,
             workers: 0,
             queue: 256,
             queue_bytes: 256 << 20,

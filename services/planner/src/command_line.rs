@@ -30,7 +30,7 @@ Settings in FILE (TOML), with their defaults:
   max_recorders = 2        # recorders connected at a time
   tap_buffer = 768         # messages kept for a slow recorder
   reserve = false          # true takes all of this shared memory at the start
-  patience = 0.1           # seconds that a reply waits for a client that does not take it
+  patience = 1.0           # seconds that a reply waits for a client that does not take it
   workers = 0              # requests planned at a time; 0: one for each core but one
   queue = 256              # requests that wait for a worker; more are refused as overloaded
   queue_bytes = 268435456  # bytes of requests that wait, and of replies not taken yet

@@ -70,6 +70,9 @@ impl Active {
 /// longer the more clients there are. Each one that fails doubles it.
 const PAUSE: (Duration, Duration) = (Duration::from_micros(50), Duration::from_millis(1));
 
+/// A try that comes later than so many pauses is the planner's fault.
+const LATE: u32 = 10;
+
 /// Memory of so many parts is used again.
 const SPARE: usize = 64;
 
@@ -142,8 +145,11 @@ pub struct Incoming {
 /// A reply whose client has no room.
 #[derive(Debug, Clone, Copy)]
 struct HeldUp {
-    /// Since when the first part has waited.
-    since: Instant,
+    /// How long the first part has waited, as far as anybody looked: a planner that is itself held up
+    /// does not hold it against the client.
+    waited: Duration,
+    /// When it was last tried.
+    tried: Instant,
     /// When to try again, and how long to wait then.
     next: Instant,
     pause: Duration,
@@ -357,13 +363,15 @@ impl ReplySink<'_> {
     fn hold_up(&mut self) -> Result<(), ReplyError> {
         let now = Instant::now();
         let (least, most) = PAUSE;
-        let HeldUp { since, pause, .. } =
-            self.held_up.unwrap_or(HeldUp { since: now, next: now, pause: least });
+        let first = HeldUp { waited: Duration::ZERO, tried: now, next: now, pause: least };
+        let HeldUp { waited, tried, pause, .. } = self.held_up.unwrap_or(first);
+        let waited = waited + now.duration_since(tried).min(LATE * pause);
         let patience = self.to.desk.borrow().patience;
-        if now.duration_since(since) > patience {
+        if waited > patience {
             return Err(ReplyError::Slow { patience });
         }
-        *self.held_up = Some(HeldUp { since, next: now + pause, pause: most.min(2 * pause) });
+        let pause = most.min(2 * pause);
+        *self.held_up = Some(HeldUp { waited, tried: now, next: now + pause, pause });
         Ok(())
     }
 }

@@ -41,6 +41,37 @@ fn a_client_that_takes_nothing_holds_nobody_up() {
     dawdler.call(&scene(3, 100_000), LONG).unwrap();
 }
 
+/// Whether it was stopped, or the machine paused: what it did not see, it does not hold against clients.
+#[test]
+fn a_planner_that_is_held_up_itself_gives_nobody_up() {
+    let test = TestDomain::new();
+    let patience = Duration::from_millis(50);
+    let options = ServerOptions { reply: ReplyOptions { patience }, ..ServerOptions::default() };
+    let mut server = Server::open(&test.domain, &options).unwrap();
+    let client = Client::connect(&test.domain, Wait::Hybrid).unwrap();
+    let mut long = client.send(&scene(1, 100_000)).unwrap();
+    let mut incoming = server.receive().expect("a request");
+    answer(&incoming.header(), &mut incoming).unwrap();
+    assert!(incoming.is_held_up());
+    std::thread::sleep(4 * patience);
+    assert!(incoming.flush().unwrap() > 0);
+    let reading = std::thread::spawn(move || long.wait(Instant::now() + LONG));
+    while incoming.flush().unwrap() > 0 {}
+    let reply = reading.join().unwrap().unwrap();
+    assert_eq!(reply.answers.unwrap()[0].as_ref().unwrap().samples.len(), 100_000);
+}
+
+/// However fast its parts come.
+#[test]
+fn a_long_reply_is_not_waited_for_beyond_the_limit() {
+    let test = TestDomain::new();
+    let _planner = Planner::start(&test.domain, ServerOptions::default());
+    let client = Client::connect(&test.domain, Wait::Hybrid).unwrap();
+    let mut long = client.send(&scene(1, 100_000)).unwrap();
+    let ended = long.wait(Instant::now());
+    assert!(matches!(ended, Err(CallError::TimedOut { .. })), "{ended:?}");
+}
+
 #[test]
 fn a_frozen_client_process_is_given_up() {
     let test = TestDomain::new();

@@ -14,7 +14,7 @@ use crate::scene::Scene;
 /// Connections kept for further requests, and requests of [`Client::plan_many`] open at a time.
 const KEPT: usize = 4;
 
-/// How long one of several open requests is waited for before the others are looked after.
+/// How long one of several open requests is looked after before the others have their turn.
 const LOOK: Duration = Duration::from_millis(2);
 
 /// Asks the planner of a domain.
@@ -44,7 +44,7 @@ impl Client {
 
     /// Connects in advance, so that `count` requests can be open at a time. Connecting takes
     /// milliseconds, in which nobody takes what comes for open requests; a planner drops a reply of
-    /// which nothing is taken for 0.1 s (`patience`).
+    /// which nothing is taken for a second (`patience`).
     pub fn reserve(&self, count: usize) -> Result<(), Error> {
         let mut taken = Vec::with_capacity(count);
         for _ in 0..count {
@@ -114,7 +114,7 @@ impl Client {
                 let (place, begin, pending) = &mut open[index];
                 let taken = match index {
                     0 => pending.wait(LOOK.min(limit)).map(Some),
-                    _ => pending.poll(),
+                    _ => pending.poll_until(Instant::now() + LOOK),
                 };
                 let waited = begin.elapsed();
                 let done = match taken {

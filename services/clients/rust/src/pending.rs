@@ -54,7 +54,12 @@ impl Pending {
     ///
     /// If it has already returned a reply or an error.
     pub fn poll(&mut self) -> Result<Option<Reply>, Error> {
-        self.go_on(|sent| sent.loan())
+        self.go_on(None, |sent| sent.loan())
+    }
+
+    /// The same, but no longer than until `until`, however fast parts come.
+    pub(crate) fn poll_until(&mut self, until: Instant) -> Result<Option<Reply>, Error> {
+        self.go_on(Some(until), |sent| sent.loan())
     }
 
     /// Waits for the reply, at most so long. When the time is over
@@ -67,10 +72,13 @@ impl Pending {
         let begin = Instant::now();
         let until = begin + limit;
         loop {
-            match self.go_on(|sent| sent.wait_loan(until).map(Some)) {
+            match self.go_on(Some(until), |sent| sent.wait_loan(until).map(Some)) {
                 Ok(Some(reply)) => return Ok(reply),
-                // Parts have come, or it was sent again.
-                Ok(None) => {}
+                // It was sent again, or parts come so fast that nothing else ended this.
+                Ok(None) if Instant::now() < until => {}
+                Ok(None) => {
+                    return Err(CallError::TimedOut { waited: begin.elapsed(), limit }.into());
+                }
                 Err(Error::Call(CallError::TimedOut { .. })) => {
                     return Err(CallError::TimedOut { waited: begin.elapsed(), limit }.into());
                 }
@@ -79,9 +87,10 @@ impl Pending {
         }
     }
 
-    /// Takes what is there or what `next` waits for.
+    /// Takes what is there or what `next` waits for, but none after `until` when one was taken.
     fn go_on(
         &mut self,
+        until: Option<Instant>,
         next: impl Fn(&mut bus::Pending) -> Result<Option<bus::Loan>, CallError>,
     ) -> Result<Option<Reply>, Error> {
         let reply = loop {
@@ -93,7 +102,8 @@ impl Pending {
             });
             match taken {
                 Ok((_, Some(reply))) => break reply,
-                Ok((true, None)) => {}
+                Ok((true, None)) if until.is_none_or(|until| Instant::now() < until) => {}
+                Ok((true, None)) => return Ok(None),
                 Ok((false, None)) => return Ok(None),
                 // The end of an earlier client's request can end this one: nobody saw it.
                 Err(CallError::GivenUp) if self.gatherer.is_empty() => {
