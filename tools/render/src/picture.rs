@@ -127,16 +127,12 @@ fn shown(scene: &SceneRequest, world: &World, panels: &[Panel], look: Look) -> S
     let answers = || panels.iter().filter_map(|panel| panel.content.ok());
     let motion = answers().next().is_some();
     let drive = scene.task == Task::Drive;
+    let has_junctions = |panel: &Panel| !junctions_of(scene, world, panel.content.ok()).is_empty();
     let turns = |answer: &Trajectory| Course::of(answer).turns().next().is_some();
     let reverse = |answer: &Trajectory| !Course::of(answer).reversed().is_empty();
-    let meshed = answers().any(|answer| !answer.channels.is_empty());
-    let junctions = match world.is_floor_plan {
-        true => look.mesh && meshed,
-        false => motion || scene.free_space.in_order,
-    };
     Shown {
         motion,
-        junctions,
+        junctions: (look.mesh || !world.is_floor_plan) && panels.iter().any(has_junctions),
         walls: world.is_floor_plan,
         unknown: world.is_floor_plan && !look.unknown.is_empty(),
         before: look.before.is_some(),
@@ -144,6 +140,21 @@ fn shown(scene: &SceneRequest, world: &World, panels: &[Panel], look: Look) -> S
         turns: drive && answers().any(turns),
         reverse: drive && answers().any(reverse),
     }
+}
+
+/// The junctions on the way of an answer, or of the chain that is given.
+fn junctions_of(
+    scene: &SceneRequest,
+    world: &World,
+    answer: Option<&Trajectory>,
+) -> Vec<[Point; 2]> {
+    let channels = world.channels_of(answer);
+    let route: Vec<usize> = match answer {
+        Some(answer) => answer.route.iter().map(|index| *index as usize).collect(),
+        None if scene.free_space.in_order => (0..channels.len()).collect(),
+        None => Vec::new(),
+    };
+    world::junctions(&channels, route.into_iter(), world.dimension)
 }
 
 fn panels(reply: &Reply, only: Option<usize>) -> Vec<Panel<'_>> {
@@ -233,12 +244,7 @@ impl Views<'_> {
         let (answer, refusal) = (panel.content.ok(), panel.content.err());
         let channels = world.channels_of(answer);
         let mouth = mouth(scene, world, answer, &channels);
-        let route: Vec<usize> = match answer {
-            Some(answer) => answer.route.iter().map(|index| *index as usize).collect(),
-            None if scene.free_space.in_order => (0..channels.len()).collect(),
-            None => Vec::new(),
-        };
-        let junctions = world::junctions(&channels, route.into_iter(), world.dimension);
+        let junctions = junctions_of(scene, world, answer);
         let mut x = 0.0;
         for (index, plot) in self.plots.iter().enumerate() {
             let y = self.plot_height - plot.height;

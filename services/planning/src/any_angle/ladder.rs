@@ -230,7 +230,7 @@ pub(super) fn poses(
 
 /// The curves of a robot that takes up its first heading as it is asked to: in place, or on its
 /// first line; `None` if it sets out otherwise.
-fn set_out(errand: &Errand<'_>, mut curves: Vec<Curve<2>>) -> Option<Vec<Curve<2>>> {
+pub(super) fn set_out(errand: &Errand<'_>, mut curves: Vec<Curve<2>>) -> Option<Vec<Curve<2>>> {
     let Some(Curve::Turn { sweep, .. }) = curves.first().copied() else { return Some(curves) };
     if errand.start_turn == StartTurn::InPlace || curves.len() == 1 {
         return Some(curves);

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::disc::disc_of;
-use super::ladder::{LONG, LastRung, Target, poses, shortest};
+use super::ladder::{LONG, LastRung, Target, poses, set_out, shortest};
 use super::lattice;
 use super::measure::{cost, measure};
 use super::planner::Planner;
@@ -268,7 +268,10 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             return Ok(());
         }
         let legs = &best.motion.legs;
-        let Some(curves) = lattice::widened(errand, legs, budget)? else { return Ok(()) };
+        let curves = lattice::widened(errand, legs, budget)?;
+        let Some(curves) = curves.and_then(|curves| set_out(errand, curves)) else {
+            return Ok(());
+        };
         let mut motion = RobotMotion { is_complete: true, ..RobotMotion::default() };
         motion.gap = best.motion.gap;
         let leg = |curve| Leg { curve, junction: None, rule: None, rung };

@@ -1,6 +1,6 @@
 //! Plans a scene over the bus and prints the reply. Start a planner first:
 //! `cargo run -p clearway-planner`, then
-//! `cargo run -p clearway-bus --example plan -- recordings/scenes/drive-a.json`
+//! `cargo run -p clearway-bus --example call -- recordings/scenes/drive-a.json`
 
 use std::time::Duration;
 
