@@ -47,6 +47,8 @@ fi
 
 "${compilers[-1]%% *}" -std=gnu11 -Wall -Wextra -Werror -fsanitize=address,undefined -g "$here/tests/life.c" \
     "${flags[@]}" -lpthread -o "$folder/life"
+"${compilers[-1]##* }" -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsanitize=address,undefined -g "$here/tests/life.cpp" \
+    "${flags[@]}" -o "$folder/life++"
 
 fail() { echo "check.sh: $*" >&2; exit 1; }
 export CLEARWAY_JSON=1
@@ -114,16 +116,21 @@ for _ in $(seq 300); do [ "$(clients)" != 0 ] || break; sleep 0.1; done
 [ "$(clients)" = 0 ] || fail "a client that was killed is still there: $(clients)"
 life forks || fail "after a client was killed"
 
-coproc client { exec "$folder/life" killed check "$scenes/drive-a.json" "$folder/endless.json"; }
-waits=$client_PID
-exec {from}<&"${client[0]}" {to}>&"${client[1]}"
-read -r _ <&"$from"
-kill -9 "$planner"
-wait "$planner" 2>/dev/null || true
-read -r _ <&"$from" || fail "a killed planner"
-serve
-echo >&"$to"
-wait "$waits" || fail "after a killed planner"
+"$folder/life++" owners check "$scenes/drive-a.json" "$folder/endless.json" || fail "owners"
+
+for life in life life++; do
+    coproc client { exec "$folder/$life" killed check "$scenes/drive-a.json" "$folder/endless.json"; }
+    waits=$client_PID
+    exec {from}<&"${client[0]}" {to}>&"${client[1]}"
+    read -r _ <&"$from"
+    kill -9 "$planner"
+    wait "$planner" 2>/dev/null || true
+    read -r _ <&"$from" || fail "$life: a killed planner"
+    serve
+    echo >&"$to"
+    wait "$waits" || fail "$life: after a killed planner"
+    exec {from}<&- {to}>&-
+done
 kill "$planner"
 wait "$planner" 2>/dev/null || true
 
