@@ -7,14 +7,16 @@
 
 mod cells;
 pub(crate) mod codes;
+mod dimension;
 mod manner;
 mod reply;
 mod request;
 mod scene;
 
 pub use cells::{CellWriter, Malformed};
+pub use dimension::dimension;
 pub use reply::{
     Certificate, PartSink, Samples, TrajectoryWriter, read_part, read_part_in_place, write_refusal,
 };
 pub use request::{check_version, header_of, read_request, unreadable};
-pub use scene::{dimension, read_scene, write_scene};
+pub use scene::{read_scene, write_scene};

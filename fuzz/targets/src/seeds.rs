@@ -33,7 +33,8 @@ const SCENES: [&str; 7] = [
 ];
 
 /// The files whose lines are scenes.
-const LINES: [&str; 4] = ["drives.jsonl", "no-route.jsonl", "refusals.jsonl", "routes.jsonl"];
+const LINES: [&str; 5] =
+    ["drives.jsonl", "no-route.jsonl", "refusals.jsonl", "routes.jsonl", "unions.jsonl"];
 
 /// Robots anywhere, with all that a request can say of them, and a free space by name.
 const ROBOTS: [(&str, &str); 2] = [

@@ -7,11 +7,11 @@
 
 use serde::Deserialize;
 
-use super::version_2::Limits;
+use super::version_2::{Limits, Solid};
 use super::{DecodeError, decode};
 use crate::message::{
     self, AxisBox, Clearance, ClearanceWish, Curve, Direction, ErrorCode, Goal, Pose, RequestKey,
-    Rule, Sample, Sampling, Solid, StartTurn, Task, Vector,
+    Rule, Sample, Sampling, StartTurn, Task, Vector,
 };
 use crate::wire::previous;
 
@@ -151,6 +151,7 @@ impl SceneRequest {
         let Self { id, task, free_space, body, exit, start, goal, .. } = self;
         let Self { start_turn, clearance, limits, sampling, deadline, .. } = self;
         let FreeSpace { channels, in_order, solids, bounds } = free_space;
+        let solids = solids.map(Solid::upgrade_all);
         message::SceneRequest {
             id,
             task,

@@ -1,6 +1,6 @@
 //! Version 2 of recorded messages, readable for ever.
 //!
-//! What version 3 changed is frozen here: scenes, limits and trajectories. Everything else is shared
+//! What version 3 changed is frozen here: scenes, solids, bodies, limits and trajectories. Everything else is shared
 //! with the current messages; whoever changes one of those copies its present form into this file.
 //! `schemas/tests/pinned/version_2` and the recordings in `recordings/` hold the bytes.
 
@@ -8,8 +8,8 @@ use serde::Deserialize;
 
 use super::{DecodeError, decode};
 use crate::message::{
-    self, AxisBox, Body, Clearance, ClearanceWish, Direction, FreeSpace, Goal, Leg, Pose, Refusal,
-    Report, RequestKey, Sample, Sampling, StartTurn, Task,
+    self, AxisBox, Clearance, ClearanceWish, Digest, Direction, Footprint, Goal, Leg, Pose,
+    Refusal, Report, RequestKey, Sample, Sampling, StartTurn, Task, Vector,
 };
 
 /// See [`message::Request`].
@@ -49,6 +49,31 @@ struct SceneRequest {
     limits: Limits,
     sampling: Option<Sampling>,
     deadline: Option<f64>,
+}
+
+/// See [`message::FreeSpace`].
+#[derive(Deserialize)]
+struct FreeSpace {
+    channels: Option<Vec<AxisBox>>,
+    in_order: bool,
+    solids: Option<Vec<Solid>>,
+    bounds: Option<AxisBox>,
+    named: Option<Digest>,
+}
+
+/// See [`message::Solid`].
+#[derive(Deserialize)]
+pub(super) enum Solid {
+    Polygon(Vec<Vector>),
+    Box(AxisBox),
+}
+
+/// See [`message::Body`].
+#[derive(Deserialize)]
+enum Body {
+    Polygon(Vec<Vector>),
+    Box(AxisBox),
+    Footprint(Footprint),
 }
 
 /// See [`message::Limits`].
@@ -115,11 +140,17 @@ impl SceneRequest {
         let Self { id, task, free_space, body, exit, start, goal, start_turn, reverse, .. } = self;
         let Self { turn_in_place, min_turn_radius, turn_cost, stop_cost, report, .. } = self;
         let Self { clearance, limits, sampling, deadline, .. } = self;
+        let FreeSpace { channels, in_order, solids, bounds, named } = free_space;
+        let solids = solids.map(Solid::upgrade_all);
         message::SceneRequest {
             id,
             task,
-            free_space,
-            body,
+            free_space: message::FreeSpace { channels, in_order, solids, bounds, named },
+            body: match body {
+                Body::Polygon(vertices) => message::Body::Polygon(vertices),
+                Body::Box(sides) => message::Body::Box(sides),
+                Body::Footprint(footprint) => message::Body::Footprint(footprint),
+            },
             exit,
             start,
             goal,
@@ -138,6 +169,16 @@ impl SceneRequest {
             corners: None,
             stop_at_joints: None,
         }
+    }
+}
+
+impl Solid {
+    pub(super) fn upgrade_all(solids: Vec<Self>) -> Vec<message::Solid> {
+        let upgrade = |solid| match solid {
+            Self::Polygon(vertices) => message::Solid::Polygon(vertices),
+            Self::Box(sides) => message::Solid::Box(sides),
+        };
+        solids.into_iter().map(upgrade).collect()
     }
 }
 

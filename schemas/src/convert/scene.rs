@@ -2,95 +2,13 @@
 
 use super::cells::{CellReader, Malformed, demand};
 use super::codes;
+use super::dimension;
 use super::manner;
 use crate::message::{
-    AxisBox, Body, Choice, ClearanceWish, Digest, Direction, Footprint, FreeSpace, Gap, Goal,
-    Limits, Pose, Refusal, Report, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task,
-    Vector,
+    AxisBox, Body, Choice, ClearanceWish, Digest, Direction, Footprint, Gap, Goal, Limits, Pose,
+    Refusal, Report, RequestKey, Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
 };
 use crate::wire::{RequestHeader, VERSION, given, switch};
-
-/// How many coordinates the points of a scene in this free space have: 2 or 3, the same for all.
-pub fn dimension(scene: &SceneRequest, free_space: &FreeSpace) -> Result<u32, Refusal> {
-    let mut points = Points { dimension: 0 };
-    match &scene.body {
-        Body::Polygon(vertices) => points.list("body.polygon", vertices)?,
-        Body::Box(sides) => points.axis_box("body.box", sides)?,
-        Body::Footprint(_) => points.dimension = 2,
-    }
-    let FreeSpace { channels, solids, bounds, .. } = free_space;
-    for (index, channel) in channels.iter().flatten().enumerate() {
-        points.axis_box(format_args!("free_space.channels[{index}]"), channel)?;
-    }
-    for (index, solid) in solids.iter().flatten().enumerate() {
-        match solid {
-            Solid::Polygon(vertices) => {
-                points.list(format_args!("free_space.solids[{index}].polygon"), vertices)?;
-            }
-            Solid::Box(sides) => {
-                points.axis_box(format_args!("free_space.solids[{index}].box"), sides)?;
-            }
-        }
-    }
-    if let Some(bounds) = bounds {
-        points.axis_box("free_space.bounds", bounds)?;
-    }
-    for (field, position) in [
-        ("start.position", scene.start.map(|start| start.position)),
-        ("goal.position", scene.goal.map(|goal| goal.position)),
-        ("frames.fixed.position", scene.frames.map(|frames| frames.fixed.position)),
-        (
-            "frames.fixed_at_end.position",
-            scene.frames.and_then(|frames| frames.fixed_at_end).map(|pose| pose.position),
-        ),
-        (
-            "frames.moving.position",
-            scene.frames.and_then(|frames| frames.moving).map(|pose| pose.position),
-        ),
-    ] {
-        if let Some(position) = position {
-            points.point(field, &position)?;
-        }
-    }
-    // A scene without points is refused later, for what it lacks.
-    Ok(points.dimension.max(2) as u32)
-}
-
-struct Points {
-    dimension: usize,
-}
-
-impl Points {
-    fn point(&mut self, field: impl std::fmt::Display, point: &Vector) -> Result<(), Refusal> {
-        if self.dimension == 0 {
-            self.dimension = point.dimension().max(2);
-        }
-        if point.dimension() == self.dimension {
-            Ok(())
-        } else {
-            Err(wrong_dimension(field, self.dimension, point.dimension()))
-        }
-    }
-
-    fn list(&mut self, field: impl std::fmt::Display, points: &[Vector]) -> Result<(), Refusal> {
-        for (index, point) in points.iter().enumerate() {
-            self.point(format_args!("{field}[{index}]"), point)?;
-        }
-        Ok(())
-    }
-
-    fn axis_box(&mut self, field: impl std::fmt::Display, sides: &AxisBox) -> Result<(), Refusal> {
-        self.point(format_args!("{field}.min"), &sides.min)?;
-        self.point(format_args!("{field}.max"), &sides.max)
-    }
-}
-
-fn wrong_dimension(field: impl std::fmt::Display, needs: usize, has: usize) -> Refusal {
-    Refusal::invalid(
-        field.to_string(),
-        format!("{field} has {has} coordinates, but this scene's points have {needs}"),
-    )
-}
 
 /// Writes a scene as memory: the header is returned, the payload appended to `cells`.
 pub fn write_scene(
@@ -131,6 +49,10 @@ pub fn write_scene(
                 Solid::Box(sides) => {
                     cells.push(1);
                     push_box(cells, sides);
+                }
+                Solid::Boxes(boxes) => {
+                    cells.extend([2, boxes.len() as u64]);
+                    boxes.iter().for_each(|sides| push_box(cells, sides));
                 }
             }
         }
@@ -297,6 +219,10 @@ fn write_body(body: &Body, header: &mut RequestHeader, cells: &mut Vec<u64>) {
             cells.extend([width.to_bits(), front.to_bits()]);
             (2, 1)
         }
+        Body::Boxes(boxes) => {
+            boxes.iter().for_each(|sides| push_box(cells, sides));
+            (3, 2 * boxes.len() as u64)
+        }
     };
 }
 
@@ -343,8 +269,7 @@ pub fn read_scene(
     let taken = cells.take("channels", header.channels, 2 * dimension)?;
     if has(given::CHANNELS) {
         let channels = scene.free_space.channels.get_or_insert_default();
-        channels.clear();
-        channels.extend(taken.chunks_exact(2 * dimension).map(|cells| axis_box(cells, dimension)));
+        fill_boxes(channels, taken, dimension);
     } else {
         demand("channels", header.channels, 0, "if none are given")?;
         scene.free_space.channels = None;
@@ -536,9 +461,19 @@ fn read_body(
                 _ => Footprint::Offset { width, front: along, rear: header.rear },
             });
         }
+        3 => {
+            let boxes = header.body_points / 2;
+            demand("body_points", header.body_points, 2 * boxes, "for boxes")?;
+            if !matches!(body, Body::Boxes(_)) {
+                *body = Body::Boxes(Vec::new());
+            }
+            if let Body::Boxes(boxes) = body {
+                fill_boxes(boxes, taken, dimension);
+            }
+        }
         code => {
             let code = code.into();
-            return Err(Malformed::UnknownCode { what: "body_kind", code, greatest: 2 });
+            return Err(Malformed::UnknownCode { what: "body_kind", code, greatest: 3 });
         }
     }
     Ok(())
@@ -561,7 +496,17 @@ fn read_solid(
             }
         }
         1 => *solid = Solid::Box(axis_box(cells.take("solid", 2, dimension)?, dimension)),
-        code => return Err(Malformed::UnknownCode { what: "solid", code, greatest: 1 }),
+        2 => {
+            let count = cells.next("solid")?;
+            let taken = cells.take("solid", count, 2 * dimension)?;
+            if !matches!(solid, Solid::Boxes(_)) {
+                *solid = Solid::Boxes(Vec::new());
+            }
+            if let Solid::Boxes(boxes) = solid {
+                fill_boxes(boxes, taken, dimension);
+            }
+        }
+        code => return Err(Malformed::UnknownCode { what: "solid", code, greatest: 2 }),
     }
     Ok(())
 }
@@ -569,6 +514,11 @@ fn read_solid(
 fn fill_points(points: &mut Vec<Vector>, cells: &[u64], dimension: usize) {
     points.clear();
     points.extend(cells.chunks_exact(dimension).map(point));
+}
+
+fn fill_boxes(boxes: &mut Vec<AxisBox>, cells: &[u64], dimension: usize) {
+    boxes.clear();
+    boxes.extend(cells.chunks_exact(2 * dimension).map(|cells| axis_box(cells, dimension)));
 }
 
 fn axis_box(cells: &[u64], dimension: usize) -> AxisBox {

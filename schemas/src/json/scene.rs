@@ -10,8 +10,8 @@ use super::footprint::FootprintJson;
 use super::half_space::IntersectionJson;
 use super::values::{BoxJson, Element, List, Numbers, Point, Word, Words};
 use crate::message::{
-    Body, Corners, Direction, Frames, FreeSpace, Goal, Limits, Pose, Report, SampleFrame, Sampling,
-    SceneRequest, Solid, StartTurn, Task, Vector,
+    AxisBox, Body, Corners, Direction, Frames, FreeSpace, Goal, Limits, Pose, Report, SampleFrame,
+    Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
 };
 
 /// A scene request: where to plan, what moves, and how. Lengths are in metres, angles
@@ -207,7 +207,7 @@ impl SceneJson<'_> {
 struct FreeSpaceJson<'a> {
     /// Boxes in which the body can move; at least one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    channels: Option<List<'a, crate::message::AxisBox>>,
+    channels: Option<List<'a, AxisBox>>,
     /// Whether the channels are listed in travel order, none skipped. Default: false.
     #[serde(skip_serializing_if = "Option::is_none")]
     in_order: Option<bool>,
@@ -265,11 +265,14 @@ pub(super) enum SolidJson<'a> {
     /// Half-spaces, whose intersection is a box.
     #[serde(skip_serializing)]
     HalfSpaces(IntersectionJson),
+    /// Boxes, whose union is solid; at least one. They may overlap, touch and be apart.
+    Boxes(List<'a, AxisBox>),
 }
 
 impl<'a> From<&'a Solid> for SolidJson<'a> {
     fn from(solid: &'a Solid) -> Self {
         match solid {
+            Solid::Boxes(boxes) => Self::Boxes(boxes.as_slice().into()),
             Solid::Polygon(vertices) => Self::Polygon(vertices.as_slice().into()),
             Solid::Box(sides) => Self::Box(sides.into()),
         }
@@ -285,12 +288,13 @@ impl Element for Solid {
             SolidJson::Box(sides) | SolidJson::HalfSpaces(IntersectionJson(sides)) => {
                 Self::Box(sides.into())
             }
+            SolidJson::Boxes(boxes) => Self::Boxes(boxes.into()),
         })
     }
 }
 
-/// What moves: for assembly tasks a polygon or a box where it is in the assembled state, for
-/// `drive` a footprint.
+/// What moves: for assembly tasks a polygon, a box or a union of boxes where it is in the assembled
+/// state, for `drive` a footprint.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(
     feature = "json-schema",
@@ -308,6 +312,8 @@ enum BodyJson<'a> {
     HalfSpaces(IntersectionJson),
     /// The rectangle that a mobile robot covers.
     Footprint(FootprintJson),
+    /// Boxes, whose union moves; at least one. They may overlap, touch and be apart.
+    Boxes(List<'a, AxisBox>),
 }
 
 impl<'a> From<&'a Body> for BodyJson<'a> {
@@ -316,6 +322,7 @@ impl<'a> From<&'a Body> for BodyJson<'a> {
             Body::Polygon(vertices) => Self::Polygon(vertices.as_slice().into()),
             Body::Box(sides) => Self::Box(sides.into()),
             Body::Footprint(footprint) => Self::Footprint((*footprint).into()),
+            Body::Boxes(boxes) => Self::Boxes(boxes.as_slice().into()),
         }
     }
 }
@@ -328,6 +335,7 @@ impl BodyJson<'_> {
             Self::Footprint(footprint) => Body::Footprint(
                 footprint.into_message().map_err(|fault| fault.in_field("footprint"))?,
             ),
+            Self::Boxes(boxes) => Body::Boxes(boxes.into()),
         })
     }
 }

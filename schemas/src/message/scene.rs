@@ -145,6 +145,8 @@ pub enum Solid {
     Polygon(Vec<Vector>),
     /// A box.
     Box(AxisBox),
+    /// The union of boxes, at least one. They may overlap, touch and be apart.
+    Boxes(Vec<AxisBox>),
 }
 
 /// What moves.
@@ -156,6 +158,9 @@ pub enum Body {
     Box(AxisBox),
     /// The mobile robot.
     Footprint(Footprint),
+    /// The union of boxes where they are in the assembled state, at least one: they may overlap,
+    /// touch and be apart, and move together.
+    Boxes(Vec<AxisBox>),
 }
 
 /// The rectangle that a mobile robot covers; metres. The reference point, whose poses the

@@ -104,6 +104,7 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
         from.list(|from| match from.u32() {
             0 => Solid::Polygon(from.list(Bytes::vector)),
             1 => Solid::Box(read_box(from)),
+            2 => Solid::Boxes(from.list(read_box)),
             other => panic!("{other}"),
         })
     });
@@ -117,6 +118,7 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
             0 => Body::Polygon(from.list(Bytes::vector)),
             1 => Body::Box(read_box(from)),
             2 => Body::Footprint(read_footprint(from)),
+            3 => Body::Boxes(from.list(read_box)),
             other => panic!("{other}"),
         },
         exit: from.list(|from| from.one_of(&DIRECTIONS)),

@@ -23,7 +23,7 @@ pub(crate) const SECTION_4: &str = r#"{
 }"#;
 
 /// By name: every form of every field is in one of them.
-pub(crate) const SCENES: [(&str, &str); 9] = [
+pub(crate) const SCENES: [(&str, &str); 10] = [
     ("section-4", SECTION_4),
     (
         "assemble-from-solids",
@@ -97,6 +97,15 @@ pub(crate) const SCENES: [(&str, &str); 9] = [
             "fixed_at_end": {"position": [14, 1], "heading": 0},
             "moving": {"position": [12, -5], "heading": -1}, "samples": "base" },
         "corners": "arc", "stop_at_joints": true }"#,
+    ),
+    (
+        "unions-of-boxes",
+        r#"{ "task": "disassemble",
+        "free_space": { "solids": [ {"boxes": [ {"min": [0, 0, 0], "max": [9, 9, 1]},
+            {"min": [0, 0, 1], "max": [1, 9, 5]} ]}, {"box": {"min": [7, 0, 1], "max": [9, 9, 5]}} ] },
+        "body": { "boxes": [ {"min": [2, 2, 1], "max": [3, 3, 4]},
+            {"min": [3, 2, 3], "max": [5, 3, 4]} ] },
+        "clearance": { "gap": 0.25 } }"#,
     ),
 ];
 

@@ -143,7 +143,7 @@ proptest! {
         check_scene(&header, &cells);
         let known = RequestHeader {
             version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 32),
-            task: header.task % 3, body_kind: header.body_kind % 3, start_turn: 0,
+            task: header.task % 3, body_kind: header.body_kind % 4, start_turn: 0,
             sampling_kind: 0, wish_kind: header.wish_kind % 3, exits: header.exits % 2,
             reserved: 0, switches: header.switches % 8, report: 0, corners: header.corners % 2,
             sample_frame: header.sample_frame % 2, ..header
@@ -296,8 +296,18 @@ fn check_scene_refused(text: &str, change: impl FnOnce(&mut RequestHeader), expe
 
 #[test]
 fn contradictions_are_refused() {
-    let [(_, section_4), (_, solids), (_, spatial), (_, drive), _, (_, curve), (_, anywhere), _, _] =
-        examples::SCENES;
+    let [
+        (_, section_4),
+        (_, solids),
+        (_, spatial),
+        (_, drive),
+        _,
+        (_, curve),
+        (_, anywhere),
+        _,
+        _,
+        (_, unions),
+    ] = examples::SCENES;
     let known = "; the greatest known value is";
     check_scene_refused(
         section_4,
@@ -314,6 +324,12 @@ fn contradictions_are_refused() {
         |header| header.given = 1 << 32,
         &format!("given is 4294967296{known} 4294967295"),
     );
+    check_scene_refused(
+        unions,
+        |header| header.body_points = 3,
+        "body_points is 3, must be 2 for boxes",
+    );
+    check_scene_refused(unions, |header| header.body_kind = 4, &format!("body_kind is 4{known} 3"));
     check_scene_refused(anywhere, |header| header.report = 1, &format!("report is 1{known} 0"));
     check_scene_refused(anywhere, |header| header.switches = 8, &format!("switches is 8{known} 7"));
     check_scene_refused(section_4, |header| header.task = 3, &format!("task is 3{known} 2"));

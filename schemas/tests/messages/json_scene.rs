@@ -286,10 +286,10 @@ fn unknown_fields_are_named() {
     let channels = r#"{"channels": [{"min": [4, 1], "max": [7, 6]}, {"min": [4, 1], "mid": 1}]}"#;
     check("free_space", channels, "free_space.channels[1].mid", "min max half_spaces");
     let solids = r#"{"solids": [{"circle": 1}]}"#;
-    check("free_space", solids, "free_space.solids[0].circle", "polygon box half_spaces");
+    check("free_space", solids, "free_space.solids[0].circle", "polygon box half_spaces boxes");
     let bounds = r#"{"bounds": {"least": 1}}"#;
     check("free_space", bounds, "free_space.bounds.least", "min max half_spaces");
-    check("body", r#"{"circle": 1}"#, "body.circle", "polygon box half_spaces footprint");
+    check("body", r#"{"circle": 1}"#, "body.circle", "polygon box half_spaces footprint boxes");
     let body = r#"{"footprint": {"width": 1, "depth": 1}}"#;
     check("body", body, "body.footprint.depth", "width length front rear");
     check("body", r#"{"box": {"mid": 1}}"#, "body.box.mid", "min max half_spaces");
@@ -321,6 +321,7 @@ fn missing_fields_are_named() {
     let start = with("start", r#"{"position": [1, 2]}"#);
     check(&start.replacen("disassemble", "drive", 1), "start.heading");
     check(&with("frames", r#"{"samples": "base"}"#), "frames.fixed");
+    check(&with("body", r#"{"boxes": [{"min": [0, 0]}]}"#), "body.boxes[0].max");
     check(&with("goal", r#"{"heading": 1}"#), "goal.position");
 }
 
@@ -332,11 +333,11 @@ fn one_of_several_fields_is_asked_for() {
         let message = format!("{path} must have exactly one of {known}, but has {found}");
         check_refused(&with(field, value), path, &message);
     };
-    check("body", "{}", "body", "polygon box half_spaces footprint", "none");
+    check("body", "{}", "body", "polygon box half_spaces footprint boxes", "none");
     let two = r#"{"polygon": [], "box": 1}"#;
-    check("body", two, "body", "polygon box half_spaces footprint", "`polygon` and `box`");
+    check("body", two, "body", "polygon box half_spaces footprint boxes", "`polygon` and `box`");
     let solids = r#"{"solids": [{}]}"#;
-    check("free_space", solids, "free_space.solids[0]", "polygon box half_spaces", "none");
+    check("free_space", solids, "free_space.solids[0]", "polygon box half_spaces boxes", "none");
     let two = r#"{"gap": 1, "curve": 3}"#;
     check("clearance", two, "clearance", "gap gaps each curve at_least", "`gap` and `curve`");
     let each = r#"{"each": [{}]}"#;
@@ -375,7 +376,7 @@ fn wrong_types_are_refused() {
     let sides = "an object with `min`, `max`, `half_spaces`, not a list of 2";
     let pair = r#"{"channels": [[[1, 2], [3, 4]]]}"#;
     check("free_space", pair, "free_space.channels[0]", sides);
-    let body = "an object with one of `polygon`, `box`, `half_spaces`, `footprint`, not";
+    let body = "an object with one of `polygon`, `box`, `half_spaces`, `footprint`, `boxes`, not";
     check("body", "\"box\"", "body", &format!("{body} the text \"box\""));
     check("body", r#"{"polygon": 1}"#, "body.polygon", "a list, not 1");
     let points = "a list of 2 or 3 numbers, not";

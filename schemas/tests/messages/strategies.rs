@@ -137,8 +137,12 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
     let planar = dimension == 2;
     let (sides, corner) = (axis_box(numbers, dimension), vector(numbers, dimension));
     let polygon = vec(corner, 0..6);
-    let solid =
-        prop_oneof![polygon.clone().prop_map(Solid::Polygon), sides.clone().prop_map(Solid::Box)];
+    let boxes = vec(sides.clone(), 0..4);
+    let solid = prop_oneof![
+        polygon.clone().prop_map(Solid::Polygon),
+        sides.clone().prop_map(Solid::Box),
+        boxes.clone().prop_map(Solid::Boxes)
+    ];
     let free_space =
         (of(vec(sides.clone(), 0..5)), any::<bool>(), of(vec(solid, 0..5)), of(sides.clone()));
     let free_space = (free_space, of(any::<[u8; 32]>().prop_map(Digest))).prop_map(
@@ -150,7 +154,11 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
             named,
         },
     );
-    let solid_body = prop_oneof![polygon.prop_map(Body::Polygon), sides.prop_map(Body::Box)];
+    let solid_body = prop_oneof![
+        polygon.prop_map(Body::Polygon),
+        sides.prop_map(Body::Box),
+        boxes.prop_map(Body::Boxes)
+    ];
     let footprint = (numbers.clone(), numbers.clone(), of(numbers.clone()));
     let footprint = footprint.prop_map(|(width, along, rear)| {
         Body::Footprint(match rear {

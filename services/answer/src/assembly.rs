@@ -8,7 +8,7 @@ use planning::disassembly::{self, DisassemblyError};
 use planning::free_space::End;
 use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
-use planning::route::{BodyMover, Mover, Router};
+use planning::route::{BodyMover, Mover, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
 use planning::translation::{self, NoWay};
 use schemas::convert::{PartSink, TrajectoryWriter};
@@ -17,18 +17,20 @@ use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
 use crate::check;
-use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Outlines, Source};
+use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Outlines, Source, closed_to_union};
 use crate::parts::{self, Parts};
 use crate::refuse::{self, Axes, PLANE, Refused, SPACE};
 use crate::scene::Scene;
 use crate::stop::StopFlag;
 use crate::wish::{Gaps, Wish, Wishes};
 
+mod body;
 mod course;
 pub(crate) mod frames;
 mod gap;
 mod slide;
 
+use body::{BodyBuffers, narrower_boxes};
 use course::Course;
 use frames::Ends;
 use gap::gap_of;
@@ -37,7 +39,7 @@ use slide::{Slide, slide};
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
 pub(crate) struct Assembly<const D: usize> {
-    outline: Vec<Vector<2>>,
+    body: BodyBuffers<D>,
     buffers: Buffers<D>,
     memory: Memory<D>,
 }
@@ -106,20 +108,11 @@ impl Assembly<2> {
         stop: &StopFlag,
         parts: &mut Parts<'_, S>,
     ) -> Result<(), Stop<S::Error>> {
-        let Self { outline, buffers, memory } = self;
-        let mut polygon = None;
+        let Self { body: memory_of_body, buffers, memory } = self;
+        memory_of_body.end();
         let ends = Ends::of(scene)?;
-        let body = match ends.body.as_ref().unwrap_or(&scene.body) {
-            message::Body::Polygon(points) => {
-                let field = || "body.polygon".to_owned();
-                let checked = check::polygon(field, points, outline, resources.budget)?;
-                Body::from_polygon(polygon.insert(checked))
-            }
-            message::Body::Box(sides) => {
-                Body::from_box(&check::axis_box(|| "body.box".to_owned(), &PLANE, sides)?)
-            }
-            message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
-        };
+        let given = ends.body.as_ref().unwrap_or(&scene.body);
+        let body = memory_of_body.read(given, resources.budget)?;
         let terms = Terms::new(scene, PLANE, (body, Some(slide), &ends), wishes)?;
         let size = body.bounds().size();
         let shape = (size.as_slice(), body.is_box());
@@ -128,11 +121,7 @@ impl Assembly<2> {
         let mut ways = [const { None }; MOST_EXITS];
         let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);
         job.find_ways_out()?;
-        let answered = answer_each(&mut job, wishes, (budget, stop), parts);
-        if let Some(polygon) = polygon {
-            *outline = polygon.into_vertices();
-        }
-        answered
+        answer_each(&mut job, wishes, (budget, stop), parts)
     }
 }
 
@@ -146,18 +135,13 @@ impl Assembly<3> {
         stop: &StopFlag,
         parts: &mut Parts<'_, S>,
     ) -> Result<(), Stop<S::Error>> {
-        let Self { buffers, memory, .. } = self;
+        let Self { body: memory_of_body, buffers, memory } = self;
         let ends = Ends::of(scene)?;
-        let body = match ends.body.as_ref().unwrap_or(&scene.body) {
-            message::Body::Box(sides) => {
-                Body::from_box(&check::axis_box(|| "body.box".to_owned(), &SPACE, sides)?)
-            }
-            message::Body::Polygon(_) => return Err(check::flat("body.polygon".to_owned()).into()),
-            message::Body::Footprint(_) => return Err(check::wrong_body("body.footprint").into()),
-        };
+        let given = ends.body.as_ref().unwrap_or(&scene.body);
+        let body = memory_of_body.read(given, resources.budget)?;
         let terms = Terms::new(scene, SPACE, (body, None, &ends), wishes)?;
         let size: Vector<3> = body.bounds().size();
-        let shape = (size.as_slice(), body.is_box());
+        let shape = (size.as_slice(), true);
         let source = Source::read(scene, &SPACE, shape, buffers, &mut resources)?;
         let budget = resources.budget;
         let mut ways = [const { None }; MOST_EXITS];
@@ -170,10 +154,9 @@ impl Assembly<3> {
 impl<const D: usize> Assembly<D> {
     /// The memory that it holds, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { outline, buffers, memory } = self;
+        let Self { body, buffers, memory } = self;
         let Memory { complement, router, gaps, course, best, profile } = memory;
-        let vectors =
-            outline.capacity() * size_of::<Vector<2>>() + gaps.capacity() * size_of::<Vector<D>>();
+        let vectors = body.bytes() + gaps.capacity() * size_of::<Vector<D>>();
         let courses = course.bytes() + best.bytes();
         vectors + buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
     }
@@ -214,11 +197,21 @@ impl<'a, const D: usize> Terms<'a, D> {
                 Refusal::invalid("free_space.solids", message)
             })
         };
-        let space = source.open(cavity, bounds.size(), resources).map_err(Refused::whole)?;
+        let is_union = self.body.is_union();
+        let space = if is_union {
+            let boxes = narrower_boxes(&self.body, bounds);
+            source.open_for_union((&boxes, *bounds), exit, axes, resources)
+        } else {
+            source.open(cavity, bounds.size(), resources)
+        };
+        let space = space.map_err(Refused::whole)?;
         let (Source::Solids(cut), FreeSpace::Made(made)) = (source, &space) else {
             return Ok(space);
         };
         if let Err(refusal) = check::mouth(axes, space.channels(), made.bounds(), exit) {
+            if is_union {
+                return Err(closed_to_union(axes, String::new(), RouteError::NoChannels));
+            }
             let mover = BodyMover::new(bounds, disassembly::Gap::Safest, End::Exit(exit));
             return Err(match mover {
                 Ok(mover) if explain == Explain::Fully => {
@@ -252,7 +245,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 |way: &&mut Option<WayOut<'_, D>>| way.as_ref().is_none_or(|way| way.exit == exit);
             if let Some(way) = ways.iter_mut().find(known) {
                 way.get_or_insert_with(|| {
-                    let mouth = source.mouth(exit);
+                    let mouth = source.mouth(exit, terms.body.is_union());
                     WayOut { exit, name, mouth, space: None }
                 });
             }
@@ -270,7 +263,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             let whole = (only.exit, terms.body.bounds());
             // A part that fits exactly may find no channel; that is told later.
             match terms.open(whole, source, Explain::Fully, resources) {
-                Err(refused) if refused.is_for_rounding() => {}
+                Err(refused) if refused.may_be_for_rounding(terms.body.is_union()) => {}
                 opened => only.space = Some(opened?),
             }
         }
@@ -334,7 +327,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         let Some((slide, outlines)) = outlines else {
             let found = self.find_through((at, None), wish, explain);
             return match found {
-                Err(refused) if refused.is_for_rounding() => self
+                Err(refused) if refused.may_be_for_rounding(self.terms.body.is_union()) => self
                     .fit_through(at, wish)
                     .map_err(|error| if error.is_final() { error } else { refused }),
                 found => found,
@@ -481,6 +474,9 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 if let Err(error) = router.find(graph, &mut mover, budget) {
                     let error = (wish.field(), error);
                     return Err(match (source, &*space, explain) {
+                        (Source::Solids(_), ..) if body.is_union() => {
+                            closed_to_union(axes, error.0, error.1)
+                        }
                         (Source::Solids(cut), FreeSpace::Made(made), Explain::Fully) => {
                             cut.refuse_route(made, axes, error, mover.traveller(), resources)
                         }

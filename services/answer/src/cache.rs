@@ -58,6 +58,8 @@ pub(crate) enum Kind {
     Junctions,
     /// Channels between solids, and their junctions.
     SolidsJunctions,
+    /// Channels between solids for a union of boxes, and their junctions.
+    UnionJunctions,
     /// All free boxes between solids.
     SolidsBoxes,
     /// Walls around channels, up to a mouth.

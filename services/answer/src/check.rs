@@ -110,7 +110,8 @@ pub(crate) fn only_in_any_order(field: impl Into<String>) -> Refusal {
 
 /// A body that does not go with the task.
 pub(crate) fn wrong_body(field: &str) -> Refusal {
-    let message = format!("{field}: in an assembly task the body is a polygon or a box");
+    let message =
+        format!("{field}: in an assembly task the body is a polygon, a box or a union of boxes");
     Refusal::invalid(field, message)
 }
 
@@ -118,6 +119,14 @@ pub(crate) fn wrong_body(field: &str) -> Refusal {
 pub(crate) fn flat(field: String) -> Refusal {
     let message = format!("{field}: polygons are for two dimensions; use boxes in three");
     Refusal::invalid(field, message)
+}
+
+/// A union without any box.
+pub(crate) fn no_boxes(field: impl Into<String>) -> Refusal {
+    let field = field.into();
+    let message = format!("{field} has 0 boxes; at least 1 is needed");
+    let refusal = Refusal::invalid(field, message);
+    Refusal { has: Some(0.0), needs: Some(1.0), ..refusal }
 }
 
 /// Not one gap for each axis.

@@ -53,6 +53,7 @@ pub(crate) fn bytes(scene: &SceneRequest) -> usize {
     let SceneRequest { free_space, body, exit, clearance, .. } = scene;
     let body = match body {
         Body::Polygon(vertices) => of(vertices),
+        Body::Boxes(boxes) => of(boxes),
         Body::Box(_) | Body::Footprint(_) => 0,
     };
     let clearance = match clearance {
@@ -88,6 +89,7 @@ fn of_choice(choice: &Choice) -> usize {
 fn of_solid(solid: &Solid) -> usize {
     match solid {
         Solid::Polygon(vertices) => of(vertices),
+        Solid::Boxes(boxes) => of(boxes),
         Solid::Box(_) => 0,
     }
 }

@@ -349,7 +349,7 @@ impl<const D: usize> Mouth<D> {
 }
 
 /// The half-space up to where a channel ends along `exit`.
-pub(crate) fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace {
+pub fn mouth_of<const D: usize>(channel: &AxisBox<D>, exit: Direction) -> HalfSpace {
     let bound = match exit.sign {
         Sign::Positive => channel.max()[exit.axis],
         Sign::Negative => channel.min()[exit.axis],

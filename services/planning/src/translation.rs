@@ -113,19 +113,22 @@ impl<const D: usize> From<Spent> for NoWay<D> {
 pub struct MovedPart {
     /// Reflected at the origin.
     pieces: Vec<Vec<Vector<2>>>,
-    outline: Vec<Vector<2>>,
+    outlines: Vec<Vec<Vector<2>>>,
     bounds: AxisBox<2>,
 }
 
 impl MovedPart {
     /// Cuts the body into convex pieces.
     pub fn new(body: &Body<'_, 2>, budget: &Budget<'_>) -> Result<Self, Spent> {
-        let outline = body.outline();
-        let mut pieces = convex::pieces(&outline, budget)?;
+        let outlines = body.outlines();
+        let mut pieces = Vec::new();
+        for outline in &outlines {
+            pieces.append(&mut convex::pieces(outline, budget)?);
+        }
         for piece in &mut pieces {
             piece.iter_mut().for_each(|vertex| *vertex = -*vertex);
         }
-        Ok(Self { pieces, outline, bounds: *body.bounds() })
+        Ok(Self { pieces, outlines, bounds: *body.bounds() })
     }
 }
 
@@ -257,7 +260,7 @@ impl Cavity<'_> {
                 }
             }
         };
-        for (a, b) in polygon::edges(&self.part.outline) {
+        for (a, b) in self.part.outlines.iter().flat_map(|outline| polygon::edges(outline)) {
             let (before, after) = (depth(&a), depth(&b));
             if before >= 0.0 {
                 check(&a);
@@ -279,9 +282,10 @@ impl Cavity<'_> {
             let solid = self.walls.solid_of(wall).unwrap_or(0);
             return Err(NoWay::Overlap { solid, out: Some(out) });
         }
-        // It crosses no wall, so it is inside a solid wholly or not at all.
-        if let Some(wall) = self.walls.solid_around(&self.part.outline[0], budget)? {
-            let is_inside = self.part.outline.iter().all(|vertex| {
+        // It crosses no wall, so each part of it is inside a solid wholly or not at all.
+        for outline in &self.part.outlines {
+            let Some(wall) = self.walls.solid_around(&outline[0], budget)? else { continue };
+            let is_inside = outline.iter().all(|vertex| {
                 // On a wall's line it may be said to be inside.
                 matches!(self.walls.depth_in_solid(vertex, budget), Ok(Some((_, depth))) if depth > obstacles.tolerance)
             });
@@ -357,7 +361,7 @@ impl DemandSearch<'_> {
     /// A way with more than this clearance.
     fn wider(&self, clearance: f64) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let Self { cavity, budget, .. } = *self;
-        let walls = cut_near(cavity.walls, &cavity.part.outline, cavity.extent(), budget)?;
+        let walls = cut_near(cavity.walls, &cavity.part.outlines, cavity.extent(), budget)?;
         let search =
             DemandSearch { obstacles: Obstacles { walls: &walls, ..self.obstacles }, ..*self };
         let circle = CirclePolygon::new(cavity.walls, &cavity.part.pieces);
@@ -372,7 +376,7 @@ impl DemandSearch<'_> {
             return Err(NoWay::Closed(self.narrowest()?));
         };
         let extent = cavity.extent();
-        let walls = cut_near(cavity.walls, &cavity.part.outline, extent, budget)?;
+        let walls = cut_near(cavity.walls, &cavity.part.outlines, extent, budget)?;
         let obstacles = Obstacles { walls: &walls, ..self.obstacles };
         let search = DemandSearch { obstacles, ..*self };
         let mut circle = CirclePolygon::new(cavity.walls, &cavity.part.pieces);

@@ -26,7 +26,7 @@ use free_space::Mouth;
 use motion::Course;
 use plot::Plot;
 use text::{Escaped, Px};
-use world::{Extent, Mover, Point, World};
+use world::{Extent, Mover, Point, World, first};
 
 /// The size of the largest picture.
 pub const MOST_BYTES: usize = 2_000_000;
@@ -190,10 +190,12 @@ fn region(scene: &SceneRequest, world: &World, panels: &[Panel], look: Look) -> 
         }
         let motion = Course::of(answer);
         match &world.mover {
-            Mover::Part(shape) => {
+            Mover::Part(shapes) => {
                 let mut reach = Extent::default();
                 motion.way_points().iter().for_each(|placement| reach.add(placement.position));
-                reach.corners().into_iter().for_each(|by| shape.grow(&mut extent, by));
+                for by in reach.corners() {
+                    shapes.iter().for_each(|shape| shape.grow(&mut extent, by));
+                }
             }
             Mover::Robot(robot) => {
                 let reach = drive::reach(&motion, robot);
@@ -265,7 +267,7 @@ impl Views<'_> {
                 free_space::junctions(out, plot, &junctions, refusal.and_then(|r| r.junction));
             }
             match &world.mover {
-                Mover::Part(shape) => assembly::draw(out, plot, shape, answer),
+                Mover::Part(shapes) => assembly::draw(out, plot, shapes, answer),
                 Mover::Robot(robot) => {
                     drive::draw(out, plot, robot, scene, answer);
                     let places = refusal.map(place::of).unwrap_or_default();
@@ -286,7 +288,7 @@ impl Views<'_> {
 /// The motion to compare with, and where it is far from this one.
 fn compared(out: &mut String, plot: &Plot, mover: &Mover, look: &Look) {
     let offset = match mover {
-        Mover::Part(shape) => shape.first(),
+        Mover::Part(shapes) => first(shapes),
         Mover::Robot(_) => [0.0; 3],
     };
     if let Some(before) = look.before {

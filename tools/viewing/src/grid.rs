@@ -3,7 +3,7 @@
 use foxglove::bytes::Bytes;
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{Grid, PackedElementField, Pose, Quaternion, Vector2, Vector3};
-use schemas::message::{FreeSpace, Solid};
+use schemas::message::{AxisBox, FreeSpace, Solid};
 
 use crate::Shown;
 use crate::place::{Axes, timestamp};
@@ -89,12 +89,13 @@ fn outlines(space: &FreeSpace) -> (Vec<Outline>, Vec<Outline>) {
     let corners = |min: [f64; 3], max: [f64; 3]| {
         vec![[min[0], min[1]], [max[0], min[1]], [max[0], max[1]], [min[0], max[1]]]
     };
-    let solids = space.solids.iter().flatten().map(|solid| match solid {
-        Solid::Polygon(vertices) => vertices.iter().map(|v| flat(v.padded())).collect(),
-        Solid::Box(sides) => corners(sides.min.padded(), sides.max.padded()),
+    let of_box = |sides: &AxisBox| corners(sides.min.padded(), sides.max.padded());
+    let solids = space.solids.iter().flatten().flat_map(|solid| match solid {
+        Solid::Polygon(vertices) => vec![vertices.iter().map(|v| flat(v.padded())).collect()],
+        Solid::Box(sides) => vec![of_box(sides)],
+        Solid::Boxes(boxes) => boxes.iter().map(of_box).collect(),
     });
-    let channels = space.channels.iter().flatten();
-    let channels = channels.map(|sides| corners(sides.min.padded(), sides.max.padded()));
+    let channels = space.channels.iter().flatten().map(of_box);
     (solids.collect(), channels.collect())
 }
 
@@ -178,7 +179,7 @@ impl Raster {
 
 #[cfg(test)]
 mod tests {
-    use schemas::message::{AxisBox, Vector};
+    use schemas::message::Vector;
 
     use super::*;
 

@@ -22,6 +22,7 @@ impl Axes {
         match &scene.body {
             _ if scene.task == Task::Drive => Self::Xy,
             Body::Box(sides) if is_solid(sides) => Self::Xyz,
+            Body::Boxes(boxes) if boxes.iter().any(is_solid) => Self::Xyz,
             _ if boxes.any(is_solid) => Self::Xyz,
             _ => Self::Xz,
         }

@@ -45,11 +45,12 @@ pub(crate) fn update(shown: &Shown, frame: &str) -> ViewMessage {
     let still = |id: &str| entity(id.to_owned(), frame.to_owned());
     let mut walls = still("walls");
     let solids = space.solids.iter().flatten();
-    let shapes = solids.map(|solid| match solid {
+    let shapes = solids.flat_map(|solid| match solid {
         Solid::Polygon(vertices) => {
-            Shape::Outline(vertices.iter().map(|v| axes.vertex(v)).collect())
+            vec![Shape::Outline(vertices.iter().map(|v| axes.vertex(v)).collect())]
         }
-        Solid::Box(sides) => Shape::of_box(axes, sides),
+        Solid::Box(sides) => vec![Shape::of_box(axes, sides)],
+        Solid::Boxes(boxes) => boxes.iter().map(|sides| Shape::of_box(axes, sides)).collect(),
     });
     draw(
         &mut walls,
@@ -63,7 +64,7 @@ pub(crate) fn update(shown: &Shown, frame: &str) -> ViewMessage {
     for (answer, motion) in shown.motions() {
         let color = ANSWERS[answer % ANSWERS.len()];
         let mut body = entity(format!("body/{answer}"), body_frame(answer));
-        draw(&mut body, [body_shape(axes, &shown.scene.body)], color);
+        draw(&mut body, body_shapes(axes, &shown.scene.body), color);
         let mut path = still(&format!("path/{answer}"));
         let points: Vec<Point3> = course(motion).map(|place| axes.point(place.position)).collect();
         path.lines.push(line(line_primitive::Type::LineStrip, points, color));
@@ -113,17 +114,18 @@ impl Shape {
 }
 
 /// The body about its reference point: as it is where the displacement is none and the heading 0.
-fn body_shape(axes: Axes, body: &Body) -> Shape {
+fn body_shapes(axes: Axes, body: &Body) -> Vec<Shape> {
     match body {
         Body::Polygon(vertices) => {
-            Shape::Outline(vertices.iter().map(|v| axes.vertex(v)).collect())
+            vec![Shape::Outline(vertices.iter().map(|v| axes.vertex(v)).collect())]
         }
-        Body::Box(sides) => Shape::of_box(axes, sides),
+        Body::Box(sides) => vec![Shape::of_box(axes, sides)],
+        Body::Boxes(boxes) => boxes.iter().map(|sides| Shape::of_box(axes, sides)).collect(),
         Body::Footprint(footprint) => {
             let (side, front, rear) =
                 (footprint.width() / 2.0, footprint.front(), footprint.rear());
             let corners = [[-rear, -side], [front, -side], [front, side], [-rear, side]];
-            Shape::Outline(corners.map(|[x, y]| Point3 { x, y, z: 0.0 }).to_vec())
+            vec![Shape::Outline(corners.map(|[x, y]| Point3 { x, y, z: 0.0 }).to_vec())]
         }
     }
 }
@@ -194,7 +196,7 @@ fn draw_clearance(entity: &mut SceneEntity, axes: Axes, body: &Body, motion: &Tr
         return;
     }
     let begin = entity.lines.len();
-    draw(entity, [body_shape(axes, body).open()], CLEARANCE);
+    draw(entity, body_shapes(axes, body).into_iter().map(Shape::open), CLEARANCE);
     for line in &mut entity.lines[begin..] {
         line.pose = Some(axes.pose(place.position, place.heading));
     }

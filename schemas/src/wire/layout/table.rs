@@ -156,7 +156,7 @@ const SECTIONS: &[Section] = &[
         task (Codes(Task::NAMES)): ""
         start_turn (Codes(StartTurn::NAMES)): ""
         sampling_kind (Codes(&["period", "spacing", "count"])): ""
-        body_kind (Codes(&["polygon", "box", "footprint"])): ""
+        body_kind (Codes(&["polygon", "box", "footprint", "boxes"])): ""
         wish_kind (Codes(&["one choice", "each", "curve"])): ""
         exits: "entries in the payload"
         wake: "1: the client sleeps and must be woken"
@@ -169,7 +169,7 @@ const SECTIONS: &[Section] = &[
         bounds: "D of the least corner, then D of the greatest; m"
         curve: "points"
         choices: "entries in the payload: 1 for one choice, 0 for a curve"
-        body_points: "points in the payload: vertices, 2 for a box, 1 for a footprint"
+        body_points: "points in the payload: vertices, 2 for each box, 1 for a footprint"
         channels: "entries in the payload"
         solids: "entries in the payload"
         switches (Bits(&SWITCHES)): "values of these fields"
@@ -187,7 +187,7 @@ const SECTIONS: &[Section] = &[
     payload!("Request": "the payload of a request"
         "exit" ["exits"] (Codes(Direction::NAMES)): "u64", ""
         "choice" ["choices"]: "Choice", ""
-        "body" ["body_points"]: "D f64", "m; box: least, then greatest corner; \
+        "body" ["body_points"]: "D f64", "m; each box: least, then greatest corner; \
             footprint: width, length, or width, front if rear is given"
         "channel" ["channels"]: "2 D f64", "m; least, then greatest corner"
         "solid" ["solids"]: "Solid", ""),
@@ -201,10 +201,12 @@ const SECTIONS: &[Section] = &[
         "axes" : "u64", "0: the same on every axis; 1 to 3: one number per axis"
         "gap" ["axes (0: 1)"]: "f64", ""),
     payload!("Solid": "m"
-        "kind" (Codes(&["polygon", "box"])): "u64", ""
+        "kind" (Codes(&["polygon", "box", "boxes"])): "u64", ""
         "vertices" if "kind is 0": "u64", "a count"
         "vertex" ["vertices"] if "kind is 0": "D f64", ""
-        "corners" if "kind is 1": "2 D f64", "least, then greatest"),
+        "corners" if "kind is 1": "2 D f64", "least, then greatest"
+        "boxes" if "kind is 2": "u64", "a count"
+        "box" ["boxes"] if "kind is 2": "2 D f64", "least, then greatest corner"),
     structure!(ReplyHeader: "the user header of a part of a reply"
         version: "2"
         dimension: "2 or 3"

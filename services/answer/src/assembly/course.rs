@@ -140,13 +140,20 @@ impl<const D: usize> Course<D> {
         else {
             return Ok(true);
         };
-        // It may touch a wall: then what it passes over is looked at as a box.
-        let (from, to) = (body.bounds().translated(&from), body.bounds().translated(&to));
-        let swept = AxisBox::new(from.min().inf(&to.min()), from.max().sup(&to.max()));
-        match swept {
-            Ok(swept) if near.value <= 0.0 => walls.is_free(&swept, budget),
-            _ => Ok(true),
+        if near.value > 0.0 {
+            return Ok(true);
         }
+        // It touches a wall: what it passes over is looked at as boxes.
+        for part in body.boxes() {
+            let (from, to) = (part.translated(&from), part.translated(&to));
+            let swept = AxisBox::new(from.min().inf(&to.min()), from.max().sup(&to.max()));
+            if let Ok(swept) = swept
+                && !walls.is_free(&swept, budget)?
+            {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Measures how close the path comes to the walls; `None` if there are none.
@@ -195,7 +202,12 @@ impl<const D: usize> Course<D> {
                 }
             }
         }
-        solids.is_free(&body.bounds().translated(&to), budget)
+        for part in body.boxes() {
+            if !solids.is_free(&part.translated(&to), budget)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// The least clearance of all, and that of the legs after the first, which begins where the

@@ -106,6 +106,9 @@ pub fn body_in_fixed_frame(scene: &SceneRequest) -> Option<Body> {
     let frames = scene.frames.as_ref().filter(|frames| frames.moving.is_some())?;
     match &scene.body {
         Body::Box(sides) if sides.min.dimension() == 3 => put_by::<3>(scene, frames),
+        Body::Boxes(boxes) if boxes.iter().any(|sides| sides.min.dimension() == 3) => {
+            put_by::<3>(scene, frames)
+        }
         _ => put_by::<2>(scene, frames),
     }
 }
@@ -134,7 +137,14 @@ fn put<const D: usize>(
     match body {
         Body::Polygon(vertices) => Ok(Body::Polygon(vertices.iter().map(put).collect())),
         Body::Box(sides) if place.is_by_quarters() => Ok(Body::Box(around(sides))),
-        Body::Box(_) if D > 2 => Err(Refusal::invalid(
+        Body::Boxes(boxes) if place.is_by_quarters() => {
+            Ok(Body::Boxes(boxes.iter().map(around).collect()))
+        }
+        Body::Boxes(_) if D == 2 => Err(Refusal::invalid(
+            "frames.moving.heading",
+            "frames.moving.heading: a union of boxes is turned by quarter turns only; give a polygon",
+        )),
+        Body::Box(_) | Body::Boxes(_) if D > 2 => Err(Refusal::invalid(
             "frames.moving.heading",
             "frames.moving.heading: in three dimensions parts are turned by quarter turns only",
         )),
@@ -143,7 +153,7 @@ fn put<const D: usize>(
             let ([a, b, _], [c, d, _]) = (min.padded(), max.padded());
             Ok(Body::Polygon(vec![corner(a, b), corner(c, b), corner(c, d), corner(a, d)]))
         }
-        Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
+        Body::Boxes(_) | Body::Footprint(_) => Err(check::wrong_body("body.footprint")),
     }
 }
 

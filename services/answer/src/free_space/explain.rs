@@ -3,6 +3,7 @@
 use planning::budget::{Cap, Spent};
 use planning::geometry::Vector;
 use planning::route::{RouteError, Traveller, blocked};
+use planning::translation::{Demand, NoWay};
 use schemas::message::Refusal;
 
 use super::made::{Cut, Made};
@@ -37,6 +38,17 @@ fn is_about_solids(error: &RouteError) -> bool {
         | RouteError::GapNotPositive { .. }
         | RouteError::FractionOutOfRange { .. }
         | RouteError::Spent(_) => false,
+    }
+}
+
+/// Says why no route was found for a union of boxes: its channels are in no request and in no reply.
+pub(crate) fn closed_to_union(axes: &Axes, field: String, error: RouteError) -> Refused {
+    match error {
+        RouteError::Spent(_) => refuse::route(axes, field, error),
+        error if is_about_solids(&error) => {
+            refuse::no_way(axes, field, Demand::<3>::Part(1.0), NoWay::Closed(None))
+        }
+        error => refuse::route(axes, field, error),
     }
 }
 

@@ -58,10 +58,10 @@ pub(crate) enum Source<'a, const D: usize> {
 
 impl<'a, const D: usize> Source<'a, D> {
     /// Where the solids end along an exit, if channels are made within their own bounds.
-    pub(crate) fn mouth(&self, exit: Direction) -> Option<HalfSpace> {
+    pub(crate) fn mouth(&self, exit: Direction, is_union: bool) -> Option<HalfSpace> {
         match self {
             Self::Channels(_) | Self::Outlines(_) => None,
-            Self::Solids(cut) => cut.mouth(exit),
+            Self::Solids(cut) => cut.mouth(exit, is_union),
         }
     }
 
@@ -74,12 +74,13 @@ impl<'a, const D: usize> Source<'a, D> {
         }
     }
 
-    /// Reads the scene's channels, solids and bounds for a body of this size (metres). Unless it is
-    /// a box, and the solids have no slanted sides, there is no use in channels among them.
+    /// Reads the scene's channels, solids and bounds for a body of this size (metres). Unless it has
+    /// channels among them, a box in the plane and whatever there is in space, and the solids have no
+    /// slanted sides, there is no use in making any.
     pub(crate) fn read(
         scene: Scene<'_>,
         axes: &Axes,
-        (size, is_box): (&[f64], bool),
+        (size, has_channels): (&[f64], bool),
         buffers: &'a mut Buffers<D>,
         resources: &mut Resources<'_>,
     ) -> Result<Self, Refused>
@@ -93,7 +94,7 @@ impl<'a, const D: usize> Source<'a, D> {
         }
         let Buffers { solids, made, outline, .. } = buffers;
         let walls = surfaces(scene, axes, None, outline, resources)?;
-        if !is_box || !walls.as_slice().iter().all(Wall::is_axis_parallel) {
+        if !has_channels || !walls.as_slice().iter().all(Wall::is_axis_parallel) {
             return Ok(Self::Outlines(Outlines { walls, bounds }));
         }
         solids.clear();
@@ -101,6 +102,23 @@ impl<'a, const D: usize> Source<'a, D> {
         let budget = resources.budget;
         take_all(scene, axes, Pieces { solids, tolerance, outline, budget }, budget)?;
         Ok(Self::Solids(Cut { solids, made, walls, bounds }))
+    }
+
+    /// The free space for a union of boxes, within these bounds of it: as given, or made.
+    pub(crate) fn open_for_union(
+        &mut self,
+        body: (&[AxisBox<D>], AxisBox<D>),
+        exit: Direction,
+        axes: &Axes,
+        resources: &mut Resources<'_>,
+    ) -> Result<FreeSpace<'a, D>, Refused> {
+        match self {
+            Self::Channels(space) => Ok(space.clone()),
+            Self::Outlines(outlines) => Ok(FreeSpace::Outlines(outlines.clone())),
+            Self::Solids(cut) => {
+                cut.make_for_union(body, exit, axes, resources).map(FreeSpace::Made)
+            }
+        }
     }
 
     /// The free space: as given, or made within the bounds that `within` finds, for a body of
@@ -246,6 +264,13 @@ fn describe<const D: usize>(scene: Scene<'_>, content: &mut Content) {
                 content.word(0);
                 content.numbers(&sides.min.padded()[..D]);
                 content.numbers(&sides.max.padded()[..D]);
+            }
+            Solid::Boxes(boxes) => {
+                content.word(u64::MAX - boxes.len() as u64);
+                for sides in boxes {
+                    content.numbers(&sides.min.padded()[..D]);
+                    content.numbers(&sides.max.padded()[..D]);
+                }
             }
             Solid::Polygon(vertices) => {
                 content.word(1 + vertices.len() as u64);

@@ -12,8 +12,8 @@ use crate::scene::Scene;
 
 /// Something that takes in solids, one by one.
 pub(crate) trait TakeSolids<const D: usize> {
-    /// A box, checked.
-    fn take_box(&mut self, solid: &AxisBox<D>) -> Result<(), Refused>;
+    /// A box, checked; or another box of the solid before.
+    fn take_box(&mut self, solid: &AxisBox<D>, goes_on: bool) -> Result<(), Refused>;
 
     /// A polygon by its vertices, not checked yet.
     fn take_polygon(
@@ -47,8 +47,11 @@ pub(crate) struct Pieces<'a, const D: usize> {
 }
 
 impl TakeSolids<2> for Surfaces<'_, 2> {
-    fn take_box(&mut self, solid: &AxisBox<2>) -> Result<(), Refused> {
-        self.walls.push_box(solid);
+    fn take_box(&mut self, solid: &AxisBox<2>, goes_on: bool) -> Result<(), Refused> {
+        match goes_on {
+            true => self.walls.push_more(solid),
+            false => self.walls.push_box(solid),
+        }
         Ok(())
     }
 
@@ -72,8 +75,11 @@ impl TakeSolids<2> for Surfaces<'_, 2> {
 }
 
 impl TakeSolids<3> for Surfaces<'_, 3> {
-    fn take_box(&mut self, solid: &AxisBox<3>) -> Result<(), Refused> {
-        self.walls.push_box(solid);
+    fn take_box(&mut self, solid: &AxisBox<3>, goes_on: bool) -> Result<(), Refused> {
+        match goes_on {
+            true => self.walls.push_more(solid),
+            false => self.walls.push_box(solid),
+        }
         Ok(())
     }
 
@@ -91,8 +97,11 @@ impl TakeSolids<3> for Surfaces<'_, 3> {
 }
 
 impl TakeSolids<2> for Pieces<'_, 2> {
-    fn take_box(&mut self, solid: &AxisBox<2>) -> Result<(), Refused> {
-        Ok(self.solids.push_box(*solid, self.budget)?)
+    fn take_box(&mut self, solid: &AxisBox<2>, goes_on: bool) -> Result<(), Refused> {
+        Ok(match goes_on {
+            true => self.solids.push_more(*solid, self.budget)?,
+            false => self.solids.push_box(*solid, self.budget)?,
+        })
     }
 
     fn take_polygon(
@@ -115,8 +124,11 @@ impl TakeSolids<2> for Pieces<'_, 2> {
 }
 
 impl TakeSolids<3> for Pieces<'_, 3> {
-    fn take_box(&mut self, solid: &AxisBox<3>) -> Result<(), Refused> {
-        Ok(self.solids.push_box(*solid, self.budget)?)
+    fn take_box(&mut self, solid: &AxisBox<3>, goes_on: bool) -> Result<(), Refused> {
+        Ok(match goes_on {
+            true => self.solids.push_more(*solid, self.budget)?,
+            false => self.solids.push_box(*solid, self.budget)?,
+        })
     }
 
     fn take_polygon(
@@ -140,7 +152,17 @@ pub(super) fn take_all<const D: usize>(
         match solid {
             Solid::Box(sides) => {
                 let field = || format!("free_space.solids[{index}].box");
-                into.take_box(&check::axis_box(field, axes, sides)?)?;
+                into.take_box(&check::axis_box(field, axes, sides)?, false)?;
+            }
+            Solid::Boxes(boxes) => {
+                if boxes.is_empty() {
+                    return Err(check::no_boxes(format!("free_space.solids[{index}].boxes")).into());
+                }
+                budget.step(boxes.len() as u64)?;
+                for (part, sides) in boxes.iter().enumerate() {
+                    let field = || format!("free_space.solids[{index}].boxes[{part}]");
+                    into.take_box(&check::axis_box(field, axes, sides)?, part > 0)?;
+                }
             }
             Solid::Polygon(points) => {
                 let field = || format!("free_space.solids[{index}].polygon");

@@ -73,6 +73,13 @@ impl Refused {
         }
     }
 
+    /// The same, or nothing says how much is missing: there is no route for a union of boxes.
+    pub(crate) fn may_be_for_rounding(&self, is_union: bool) -> bool {
+        let (Self::Answer(refusal) | Self::Request(refusal)) = self else { return false };
+        self.is_for_rounding()
+            || (is_union && refusal.code == ErrorCode::NoRoute && refusal.needs.is_none())
+    }
+
     /// What the reply says. `stop` knows why a request was stopped.
     pub(crate) fn into_refusal(self, stop: &StopFlag) -> Refusal {
         match self {

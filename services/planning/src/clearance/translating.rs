@@ -23,14 +23,16 @@ const STEPS_PER_EDGE: u64 = 8;
 #[derive(Debug, Clone, Copy)]
 pub struct Body<'a, const D: usize> {
     bounds: AxisBox<D>,
-    /// Empty if the body fills its bounds.
+    /// Of a polygon that does not fill its bounds, otherwise empty.
     outline: &'a [Vector<2>],
+    /// Of a union of several boxes, otherwise empty.
+    boxes: &'a [AxisBox<D>],
 }
 
 impl<const D: usize> Body<'_, D> {
     /// A box.
     pub fn from_box(body: &AxisBox<D>) -> Self {
-        Self { bounds: *body, outline: &[] }
+        Self { bounds: *body, outline: &[], boxes: &[] }
     }
 
     /// The smallest box around it.
@@ -38,43 +40,64 @@ impl<const D: usize> Body<'_, D> {
         &self.bounds
     }
 
-    /// Whether it fills its bounds.
+    /// Whether it is one box.
     pub fn is_box(&self) -> bool {
-        self.outline.is_empty()
+        self.outline.is_empty() && self.boxes.is_empty()
     }
 
-    /// A point on its boundary.
-    pub(crate) fn point(&self) -> Vector<D> {
-        let mut point = self.bounds.min();
-        if let Some(vertex) = self.outline.first() {
-            (point[0], point[1]) = (vertex[0], vertex[1]);
+    /// Whether it is given by several boxes.
+    pub fn is_union(&self) -> bool {
+        !self.boxes.is_empty()
+    }
+
+    /// Boxes that cover it: those that it is the union of, or its bounds.
+    pub fn boxes(&self) -> &[AxisBox<D>] {
+        if self.boxes.is_empty() { std::slice::from_ref(&self.bounds) } else { self.boxes }
+    }
+
+    /// The outlines in the plane of which it is the union.
+    pub fn outlines(&self) -> Vec<Vec<Vector<2>>> {
+        match self.outline {
+            [] => self.boxes().iter().map(|part| corners(part).to_vec()).collect(),
+            outline => vec![outline.to_vec()],
         }
-        point
     }
 
-    /// Its outline in the plane.
-    pub(crate) fn outline_or_corners(&self) -> Vec<Vector<2>> {
-        if self.outline.is_empty() { self.corners().to_vec() } else { self.outline.to_vec() }
+    /// A point on the boundary of each of its parts.
+    fn points(&self) -> impl Iterator<Item = Vector<D>> {
+        self.boxes().iter().map(|part| {
+            let mut point = part.min();
+            if let Some(vertex) = self.outline.first() {
+                (point[0], point[1]) = (vertex[0], vertex[1]);
+            }
+            point
+        })
     }
+}
 
-    /// The corners of its bounds in the plane.
-    fn corners(&self) -> [Vector<2>; 4] {
-        let (min, max) = (planar(&self.bounds.min()), planar(&self.bounds.max()));
-        [min, Vector::from([max[0], min[1]]), max, Vector::from([min[0], max[1]])]
+impl<'a, const D: usize> Body<'a, D> {
+    /// The union of boxes, which may overlap, touch and be apart; `None` without any.
+    pub fn from_boxes(boxes: &'a [AxisBox<D>]) -> Option<Self> {
+        let corners = boxes.iter().map(|part| (part.min(), part.max()));
+        let (min, max) = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))?;
+        let bounds = AxisBox::new(min, max).ok()?;
+        let boxes = if boxes.len() == 1 { &[] } else { boxes };
+        Some(Self { bounds, outline: &[], boxes })
     }
 }
 
 impl<'a> Body<'a, 2> {
-    /// Its vertices, in order.
-    pub fn outline(&self) -> Vec<Vector<2>> {
-        if self.is_box() { self.corners().to_vec() } else { self.outline.to_vec() }
-    }
-
     /// A polygon, convex or not. An axis-parallel rectangle is taken as a box.
     pub fn from_polygon(body: &'a Polygon) -> Self {
         let outline = if body.is_axis_box() { &[][..] } else { body.vertices() };
-        Self { bounds: *body.bounds(), outline }
+        Self { bounds: *body.bounds(), outline, boxes: &[] }
     }
+}
+
+/// The corners of a box in the plane.
+fn corners<const D: usize>(sides: &AxisBox<D>) -> [Vector<2>; 4] {
+    let (min, max) = (planar(&sides.min()), planar(&sides.max()));
+    [min, Vector::from([max[0], min[1]]), max, Vector::from([min[0], max[1]])]
 }
 
 /// The exact clearance of `body` along `legs`, whose positions are displacements from where
@@ -120,10 +143,13 @@ pub fn clearance_body_legs<const D: usize>(
         let Curve::Line { from, to, .. } = &leg.curve else { continue };
         let mut nearest = leg_clearance(body, walls, (from, to), budget)?;
         if each.is_empty() && (nearest.value, nearest.at) != (0.0, 0.0) {
-            // It touches no wall at the start, so it is inside a solid wholly or not at all.
-            if let Some(wall) = walls.solid_around(&(body.point() + from), budget)? {
-                let point = walls.as_slice()[wall].from;
-                nearest = Nearest { value: 0.0, at: 0.0, wall, point, ..nearest };
+            // It touches no wall at the start, so each part is inside a solid wholly or not at all.
+            for point in body.points() {
+                if let Some(wall) = walls.solid_around(&(point + from), budget)? {
+                    let point = walls.as_slice()[wall].from;
+                    nearest = Nearest { value: 0.0, at: 0.0, wall, point, ..nearest };
+                    break;
+                }
             }
         }
         if nearest.value == f64::INFINITY {
@@ -191,21 +217,24 @@ fn leg_clearance<const D: usize>(
     // The index draws for the walls that it finds; what the boxes take is drawn at the end.
     let mut count = 0;
     walls.nearest(&min, &max, budget, |index, wall| {
-        count += 1;
-        let (low, high) = wall.bounds();
-        // The Minkowski sum of wall and reflected body, and a lower bound by boxes.
-        let (low, high) = (low - body.bounds.max(), high - body.bounds.min());
-        let apart = distance_squared_box_box((&low, &high), (&least, &greatest));
-        // Slightly less, as rounding must not put it above the distance.
-        if apart * (1.0 - 1e-12) <= nearest.reach() * nearest.reach() {
+        for part in body.boxes() {
+            count += 1;
+            let (low, high) = wall.bounds();
+            // The Minkowski sum of wall and reflected body, and a lower bound by boxes.
+            let (low, high) = (low - part.max(), high - part.min());
+            let apart = distance_squared_box_box((&low, &high), (&least, &greatest));
+            // Slightly less, as rounding must not put it above the distance.
+            if apart * (1.0 - 1e-12) > nearest.reach() * nearest.reach() {
+                continue;
+            }
             if body.outline.is_empty() && (D != 2 || wall.is_axis_parallel()) {
                 let closest = distance_segment_box((from, to), (&low, &high));
                 if closest.distance <= nearest.reach() {
-                    let point = contact(body, wall, &(from + (to - from) * closest.at));
+                    let point = contact(part, wall, &(from + (to - from) * closest.at));
                     nearest.take(closest.distance, closest.at, index, point);
                 }
             } else {
-                let corners = body.corners();
+                let corners = corners(part);
                 let outline = if body.outline.is_empty() { &corners } else { body.outline };
                 spent = budget.step(STEPS_PER_EDGE * outline.len() as u64);
                 if spent.is_err() {
@@ -229,13 +258,13 @@ fn leg_clearance<const D: usize>(
 /// The point of an axis-parallel wall nearest to the displaced box: along every axis the end
 /// that faces it, or the middle of what both share.
 fn contact<const D: usize>(
-    body: &Body<'_, D>,
+    part: &AxisBox<D>,
     wall: &Wall<D>,
     displacement: &Vector<D>,
 ) -> Vector<D> {
     let (min, max) = wall.bounds();
-    let near = (body.bounds.min() + displacement).sup(&min).inf(&max);
-    let far = (body.bounds.max() + displacement).inf(&max).sup(&min);
+    let near = (part.min() + displacement).sup(&min).inf(&max);
+    let far = (part.max() + displacement).inf(&max).sup(&min);
     (near + far) / 2.0
 }
 

@@ -13,6 +13,9 @@ mod candidates;
 mod outline;
 mod part;
 mod sweep;
+mod union;
+
+pub use union::UnionInCavity;
 
 /// Why a solid can't be cut into boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -68,6 +71,12 @@ impl<const D: usize> Solids<D> {
         self.boxes.push(solid);
         self.count_solid();
         Ok(())
+    }
+
+    /// Adds another box to the solid that was added last.
+    pub fn push_more(&mut self, part: AxisBox<D>, budget: &Budget<'_>) -> Result<(), Spent> {
+        self.count = self.count.saturating_sub(1);
+        self.push_box(part, budget)
     }
 
     const BYTES_PER_BOX: usize = size_of::<AxisBox<D>>() + size_of::<u32>();

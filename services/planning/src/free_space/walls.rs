@@ -46,6 +46,8 @@ impl<const D: usize> Wall<D> {
 #[derive(Debug, Clone, Copy)]
 struct SolidSurface<const D: usize> {
     bounds: AxisBox<D>,
+    /// The solid that it is the surface of, or of a part of, by order of addition.
+    solid: usize,
     /// The index of its first wall, and their number.
     walls: (usize, usize),
     /// Whether it fills its bounds.
@@ -79,6 +81,19 @@ impl<const D: usize> Walls<D> {
 
     /// Adds the sides of a solid box.
     pub fn push_box(&mut self, solid: &AxisBox<D>) {
+        self.push_box_of(solid, self.next_solid());
+    }
+
+    /// Adds the sides of another box of the solid that was added last.
+    pub fn push_more(&mut self, part: &AxisBox<D>) {
+        self.push_box_of(part, self.next_solid().saturating_sub(1));
+    }
+
+    fn next_solid(&self) -> usize {
+        self.solids.last().map_or(0, |last| last.solid + 1)
+    }
+
+    fn push_box_of(&mut self, solid: &AxisBox<D>, number: usize) {
         let first = self.walls.len();
         for axis in 0..D {
             for sign in [Sign::Negative, Sign::Positive] {
@@ -90,7 +105,8 @@ impl<const D: usize> Walls<D> {
                 self.push(Wall { from, to });
             }
         }
-        self.solids.push(SolidSurface { bounds: *solid, walls: (first, 2 * D), is_box: true });
+        let walls = (first, 2 * D);
+        self.solids.push(SolidSurface { bounds: *solid, solid: number, walls, is_box: true });
     }
 
     /// Builds the index that makes searches among many walls fast; to be called after the
@@ -238,10 +254,9 @@ impl<const D: usize> Walls<D> {
     /// The solid to which a wall belongs, counted in the order of addition.
     pub fn solid_of(&self, wall: usize) -> Option<usize> {
         let after = self.solids.partition_point(|solid| solid.walls.0 <= wall);
-        after.checked_sub(1).filter(|solid| {
-            let (first, count) = self.solids[*solid].walls;
-            wall < first + count
-        })
+        let SolidSurface { solid, walls: (first, count), .. } =
+            self.solids[after.checked_sub(1)?];
+        (wall < first + count).then_some(solid)
     }
 
     /// The smallest box around all walls; `None` without any.
@@ -274,14 +289,15 @@ impl Walls<2> {
         budget: &Budget<'_>,
     ) -> Result<Option<(usize, f64)>, Spent> {
         let Some(first) = self.solid_around(point, budget)? else { return Ok(None) };
-        let Some(index) = self.solids.iter().position(|solid| solid.walls.0 == first) else {
+        let surface = self.solids.iter().find(|solid| solid.walls.0 == first);
+        let Some(SolidSurface { solid, walls: (first, count), .. }) = surface else {
             return Ok(None);
         };
-        let (first, count) = self.solids[index].walls;
+        let (solid, first, count) = (*solid, *first, *count);
         budget.step(count as u64)?;
         let walls = self.walls[first..first + count].iter();
         let distances = walls.map(|wall| distance_point_segment(point, (&wall.from, &wall.to)));
-        Ok(Some((index, distances.fold(f64::INFINITY, f64::min))))
+        Ok(Some((solid, distances.fold(f64::INFINITY, f64::min))))
     }
 
     /// Adds the sides of a box whose inside is free.
@@ -300,7 +316,8 @@ impl Walls<2> {
             self.push(Wall { from, to });
         }
         let walls = (first, self.walls.len() - first);
-        self.solids.push(SolidSurface { bounds: *solid.bounds(), walls, is_box: false });
+        let (bounds, number) = (*solid.bounds(), self.next_solid());
+        self.solids.push(SolidSurface { bounds, solid: number, walls, is_box: false });
     }
 }
 

@@ -11,6 +11,7 @@ mod blocked;
 mod refusals;
 mod robots;
 mod scenes;
+mod unions;
 use scenes::{Crowd, corridors, crowd, solids_around};
 
 const UP: Direction = Direction { axis: 1, sign: Sign::Positive };

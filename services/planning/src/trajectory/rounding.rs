@@ -208,7 +208,15 @@ pub fn round_corners<const D: usize>(
     (rounded, each): (&mut Vec<Leg<D>>, &mut Vec<Clearance<D>>),
     budget: &Budget<'_>,
 ) -> Result<Option<Clearance<D>>, Spent> {
-    let shape = body.outline_or_corners();
+    let outlines = body.outlines();
+    let on_arc = |arc: &RoundedCorner| {
+        let mut nearest: Option<Clearance<D>> = None;
+        for outline in &outlines {
+            let near = clearance_on_arc(outline, walls, arc, budget)?;
+            nearest = Some(nearest.filter(|nearest| nearest.value <= near.value).unwrap_or(near));
+        }
+        Ok::<_, Spent>(nearest)
+    };
     let mut of_line = Vec::new();
     let mut on_line = |from: Vector<D>, to: Vector<D>| {
         let leg =
@@ -232,8 +240,9 @@ pub fn round_corners<const D: usize>(
                 let least = replaced.iter().flatten().map(|near| near.value);
                 let least = least.fold(f64::INFINITY, f64::min);
                 let trial = corner.arc(reach);
-                let near = clearance_on_arc(&shape, walls, &trial, budget)?;
-                let extent = end.amax() + shape.iter().map(|v| v.amax()).fold(0.0, f64::max);
+                let Some(near) = on_arc(&trial)? else { break };
+                let vertices = outlines.iter().flatten();
+                let extent = end.amax() + vertices.map(|v| v.amax()).fold(0.0, f64::max);
                 if least > 0.0 && near.value >= least - ROUNDING * extent {
                     arc = Some((trial, near, from, to));
                     break;

@@ -86,13 +86,14 @@ impl CirclePolygon {
 /// it at the start: from a floor on which it stands, only where it stands.
 pub(super) fn cut_near(
     walls: &Walls<2>,
-    outline: &[Vector<2>],
+    outlines: &[Vec<Vector<2>>],
     extent: f64,
     budget: &Budget<'_>,
 ) -> Result<Walls<2>, Spent> {
     let mut cut = Walls::default();
     let mut stack = Vec::new();
-    let [min, max] = convex::bounds(outline);
+    let vertices: Vec<Vector<2>> = outlines.iter().flatten().copied().collect();
+    let [min, max] = convex::bounds(&vertices);
     for wall in walls.as_slice() {
         budget.step(1)?;
         let (low, high) = wall.bounds();
@@ -103,9 +104,10 @@ pub(super) fn cut_near(
         }
         stack.push(*wall);
         while let Some(piece) = stack.pop() {
-            budget.step(3 * STEPS_PER_PAIR * outline.len() as u64)?;
+            budget.step(3 * STEPS_PER_PAIR * vertices.len() as u64)?;
             let distance = |from: &Vector<2>, to: &Vector<2>| {
-                polygon::edges(outline)
+                let edges = outlines.iter().flat_map(|outline| polygon::edges(outline));
+                edges
                     .map(|(a, b)| distance_segment_segment((from, to), (&a, &b)).distance)
                     .fold(f64::INFINITY, f64::min)
             };

@@ -9,27 +9,37 @@ use super::motion::Course;
 use super::plot::{Pixel, Plot, distance, ring, simplified};
 use super::style;
 use super::text::Px;
-use super::world::{Point, Shape, point};
+use super::world::{Point, Shape, first, point};
 
 /// The most vertices of a body that are drawn.
 const MOST_VERTICES: usize = 200;
+/// The most boxes of a body that are drawn.
+const MOST_SHAPES: usize = 200;
 /// The most outlines at way-points.
 const MOST_GHOSTS: usize = 40;
 /// Pixels between the faint outlines on the way.
 const BETWEEN: f64 = 26.0;
 
 /// The body where it is assembled, and its motion.
-pub(super) fn draw(out: &mut String, plot: &Plot, body: &Shape, answer: Option<&Trajectory>) {
-    let outline = body.outline(plot.axes).into_iter().map(|p| plot.flat(p));
-    let outline = simplified(outline, MOST_VERTICES);
+pub(super) fn draw(out: &mut String, plot: &Plot, body: &[Shape], answer: Option<&Trajectory>) {
+    let outlines: Vec<Vec<Pixel>> = body
+        .iter()
+        .take(MOST_SHAPES)
+        .map(|shape| {
+            let outline = shape.outline(plot.axes).into_iter().map(|p| plot.flat(p));
+            simplified(outline, MOST_VERTICES)
+        })
+        .collect();
     let [i, j] = plot.axes;
-    let shifted = |by: Point| {
+    let shifted = |outline: &[Pixel], by: Point| -> Vec<Pixel> {
         let (right, down) = (by[i] * plot.scale, -by[j] * plot.scale);
-        outline.iter().map(move |[x, y]| [x + right, y + down])
+        outline.iter().map(|[x, y]| [x + right, y + down]).collect()
     };
     let moved = |out: &mut String, by: Point| {
         out.push_str(r#"<path d=""#);
-        ring(out, shifted(by), MOST_VERTICES);
+        for outline in &outlines {
+            ring(out, shifted(outline, by).into_iter(), MOST_VERTICES);
+        }
         out.push_str(r#""/>"#);
     };
     let blue = style::BODY;
@@ -70,19 +80,22 @@ pub(super) fn draw(out: &mut String, plot: &Plot, body: &Shape, answer: Option<&
     out.push_str("</g>");
     let (Some(answer), Some(motion)) = (answer, &motion) else { return };
 
-    let first = body.first();
-    plot.path(out, motion, first);
-    arrow(out, plot, motion, first);
-    let mut busy = dots(out, plot, motion, first);
+    let begin = first(body);
+    plot.path(out, motion, begin);
+    arrow(out, plot, motion, begin);
+    let mut busy = dots(out, plot, motion, begin);
     let clearance = &answer.clearance;
     if let (true, Some(placement)) = (clearance.value.is_finite(), motion.placement(clearance.at)) {
         let wall = point(&clearance.wall);
         let by = placement.position;
         let local = std::array::from_fn(|axis| wall[axis] - by[axis]);
-        let near = body.nearest(local);
+        let squared =
+            |p: &Point| (0..3).map(|i| (p[i] - local[i]) * (p[i] - local[i])).sum::<f64>();
+        let near = body.iter().map(|shape| shape.nearest(local));
+        let near = near.min_by(|a, b| squared(a).total_cmp(&squared(b))).unwrap_or(local);
         let near = std::array::from_fn(|axis| near[axis] + by[axis]);
-        busy.extend(along(plot, motion, first));
-        busy.extend(rim(&shifted(by).collect::<Vec<Pixel>>()));
+        busy.extend(along(plot, motion, begin));
+        outlines.iter().for_each(|outline| busy.extend(rim(&shifted(outline, by))));
         mark::clearance(out, plot, wall, near, clearance.value, &busy);
     }
 }

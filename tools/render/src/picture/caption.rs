@@ -48,6 +48,10 @@ pub(super) fn title(scene: &SceneRequest, reply: &Reply, shown: usize) -> (Strin
             Some(min.iter().zip(max).map(|(min, max)| max - min).collect())
         }
         Body::Polygon(vertices) => extents(vertices),
+        Body::Boxes(boxes) => {
+            let corners: Vec<_> = boxes.iter().flat_map(|sides| [sides.min, sides.max]).collect();
+            extents(&corners)
+        }
     };
     if let Some(sides) = sides {
         let what = if scene.task == Task::Drive { "robot" } else { "body" };
@@ -67,7 +71,8 @@ fn extents(vertices: &[schemas::message::Vector]) -> Option<Vec<f64>> {
         let values = || vertices.iter().map(|v| v.padded()[axis]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
     };
-    (!vertices.is_empty()).then(|| vec![side(0), side(1)])
+    let dimension = vertices.first()?.dimension().max(2);
+    Some((0..dimension).map(side).collect())
 }
 
 /// "a) ", if there are several answers.

@@ -93,7 +93,7 @@ pub(super) fn draw_floor_plan(
     let walls = format!(r#"class="walls" fill="{dark}" stroke="{dark}" stroke-width="0.8""#);
     area(&mut out, plot, &outlines(plot, &world.solids), &walls, true, MOST_OF_A_PLAN);
     if !unknown.is_empty() {
-        let unknown: Vec<Shape> = unknown.iter().map(world::solid).collect();
+        let unknown: Vec<Shape> = unknown.iter().flat_map(world::solid).collect();
         let look = format!(r#"class="unknown" fill="{light}""#);
         area(&mut out, plot, &outlines(plot, &unknown), &look, false, MOST_OF_A_PLAN);
     }

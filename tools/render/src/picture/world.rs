@@ -15,8 +15,8 @@ pub(super) enum Shape {
 
 /// What moves.
 pub(super) enum Mover {
-    /// Translates; as it is in the assembled state.
-    Part(Shape),
+    /// Translates; what it is made of, in the assembled state.
+    Part(Vec<Shape>),
     /// Drives and turns about its reference point.
     Robot(Robot),
 }
@@ -78,7 +78,7 @@ impl Shape {
     }
 
     /// Where the first vertex is.
-    pub(super) fn first(&self) -> Point {
+    fn first(&self) -> Point {
         match self {
             Self::Box([min, _]) => *min,
             Self::Polygon(vertices) => vertices.first().copied().unwrap_or_default(),
@@ -121,13 +121,16 @@ fn on_segment(a: Point, b: Point, target: Point) -> Point {
 impl World {
     pub(super) fn of(scene: &SceneRequest) -> Self {
         let space = &scene.free_space;
-        let solids: Vec<Shape> = space.solids.iter().flatten().map(solid).collect();
+        let solids: Vec<Shape> = space.solids.iter().flatten().flat_map(solid).collect();
         let body = answer::body_in_fixed_frame(scene);
         let mover = match body.as_ref().unwrap_or(&scene.body) {
             Body::Polygon(vertices) => {
-                Mover::Part(Shape::Polygon(vertices.iter().map(point).collect()))
+                Mover::Part(vec![Shape::Polygon(vertices.iter().map(point).collect())])
             }
-            Body::Box(sides) => Mover::Part(Shape::Box(corners(sides))),
+            Body::Box(sides) => Mover::Part(vec![Shape::Box(corners(sides))]),
+            Body::Boxes(boxes) => {
+                Mover::Part(boxes.iter().map(|sides| Shape::Box(corners(sides))).collect())
+            }
             Body::Footprint(footprint) => Mover::Robot(Robot {
                 width: tame(footprint.width()).abs(),
                 front: tame(footprint.front()).abs(),
@@ -136,7 +139,11 @@ impl World {
         };
         let boxes = space.channels.iter().flatten();
         let three = boxes.chain(&space.bounds).any(|sides| sides.min.dimension() == 3)
-            || matches!(&scene.body, Body::Box(sides) if sides.min.dimension() == 3);
+            || match &scene.body {
+                Body::Box(sides) => sides.min.dimension() == 3,
+                Body::Boxes(boxes) => boxes.iter().any(|sides| sides.min.dimension() == 3),
+                Body::Polygon(_) | Body::Footprint(_) => false,
+            };
         Self {
             dimension: if three && scene.task != Task::Drive { 3 } else { 2 },
             channels: space.channels.iter().flatten().map(corners).collect(),
@@ -165,17 +172,24 @@ impl World {
         let still = [0.0; 3];
         self.channels.iter().chain(&self.bounds).flatten().for_each(|p| extent.add(*p));
         self.solids.iter().for_each(|solid| solid.grow(&mut extent, still));
-        if let Mover::Part(shape) = &self.mover {
-            shape.grow(&mut extent, still);
+        if let Mover::Part(shapes) = &self.mover {
+            shapes.iter().for_each(|shape| shape.grow(&mut extent, still));
         }
         extent
     }
 }
 
-pub(super) fn solid(solid: &Solid) -> Shape {
+/// Where the first vertex is of what a part is made of.
+pub(super) fn first(shapes: &[Shape]) -> Point {
+    shapes.first().map_or([0.0; 3], Shape::first)
+}
+
+/// What a solid is made of.
+pub(super) fn solid(solid: &Solid) -> Vec<Shape> {
     match solid {
-        Solid::Polygon(vertices) => Shape::Polygon(vertices.iter().map(point).collect()),
-        Solid::Box(sides) => Shape::Box(corners(sides)),
+        Solid::Polygon(vertices) => vec![Shape::Polygon(vertices.iter().map(point).collect())],
+        Solid::Box(sides) => vec![Shape::Box(corners(sides))],
+        Solid::Boxes(boxes) => boxes.iter().map(|sides| Shape::Box(corners(sides))).collect(),
     }
 }
 

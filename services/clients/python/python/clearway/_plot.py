@@ -45,7 +45,8 @@ def _reference(scene):
     if scene is None or scene["task"] == "drive":
         return 0.0, 0.0
     body = scene["body"]
-    points = body.get("polygon") or [body["box"]["min"], body["box"]["max"]]
+    boxes = body.get("boxes") or ([body["box"]] if body.get("box") else [])
+    points = body.get("polygon") or [box[end] for box in boxes for end in ("min", "max")]
     return tuple((min(values) + max(values)) / 2 for values in zip(*points))
 
 
@@ -57,9 +58,10 @@ def _draw_free_space(ax, free_space):
         ax.add_patch(Polygon(corners, facecolor="#eef3f8", edgecolor="#8c959f", zorder=1))
         ax.update_datalim(corners)
     for solid in free_space.get("solids") or ():
-        corners = solid.get("polygon") or _corners(solid["box"])
-        ax.add_patch(Polygon(corners, facecolor="#d9dde2", edgecolor="#57606a", zorder=2))
-        ax.update_datalim(corners)
+        boxes = solid.get("boxes") or ([solid["box"]] if solid.get("box") else [])
+        for corners in [solid["polygon"]] if solid.get("polygon") else map(_corners, boxes):
+            ax.add_patch(Polygon(corners, facecolor="#d9dde2", edgecolor="#57606a", zorder=2))
+            ax.update_datalim(corners)
     ax.autoscale_view()
 
 

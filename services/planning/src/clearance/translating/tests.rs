@@ -81,7 +81,7 @@ fn check_section_4(gap: Gap<'_, 2>, known: [f64; 3]) {
     let bodies = [
         Body::from_box(&scene.body),
         Body::from_polygon(&corners),
-        Body { bounds: scene.body, outline: corners.vertices() },
+        Body { bounds: scene.body, outline: corners.vertices(), boxes: &[] },
     ];
     for walls in [complement(&chain), solids(&[polygon(&FEMALE)])] {
         for body in &bodies {
@@ -295,6 +295,13 @@ fn check_corollary<const D: usize>(scene: &Scene<D>, fraction: f64) {
     assert_eq!(whole.value, least);
 }
 
+fn rectangles(middle: [f64; 2]) -> impl Strategy<Value = AxisBox<2>> {
+    let sizes = (0.1..1.0_f64, 0.1..1.0_f64, 0.1..1.0_f64, 0.1..1.0_f64);
+    sizes.prop_map(move |(left, low, right, high)| {
+        space([middle[0] - left, middle[1] - low], [middle[0] + right, middle[1] + high])
+    })
+}
+
 proptest! {
     #[test]
     fn clearance_keeps_the_promise_of_lemma_1(scene in scenes::<2>(8), fraction in 0.01..1.0f64) {
@@ -313,7 +320,7 @@ proptest! {
     fn clearance_of_boxes_is_that_of_sampling(scene in scenes::<2>(6), fraction in 0.05..1.0f64) {
         let (chain, path) = plan(&scene, Gap::Fraction(fraction));
         let body = Body::from_box(&scene.body);
-        check_sampled(&body.corners(), &body, &complement(&chain), path.legs());
+        check_sampled(&corners(body.bounds()), &body, &complement(&chain), path.legs());
     }
 
     #[test]
@@ -321,11 +328,11 @@ proptest! {
         let (chain, path) = plan(&scene, Gap::Fraction(fraction));
         let walls = complement(&chain);
         let boxed = Body::from_box(&scene.body);
-        let corners = boxed.corners();
+        let corners = corners(boxed.bounds());
         let rectangle = Polygon::new(corners.to_vec(), &Budget::default()).expect("a rectangle");
         let found = measure(&boxed, &walls, path.legs());
         prop_assert_eq!(&measure(&Body::from_polygon(&rectangle), &walls, path.legs()), &found);
-        let general = Body { bounds: scene.body, outline: &corners };
+        let general = Body { bounds: scene.body, outline: &corners, boxes: &[] };
         let other = measure(&general, &walls, path.legs());
         for (a, b) in found.1.iter().zip(&other.1) {
             prop_assert!((a.value - b.value).abs() < 1e-12);
@@ -371,6 +378,29 @@ proptest! {
     ) {
         let walls = solids(&[solid, other]);
         let body = Body::from_box(&space([-1.0, -0.5], [1.0, 0.5]));
-        check_sampled(&body.corners(), &body, &walls, &legs);
+        check_sampled(&corners(body.bounds()), &body, &walls, &legs);
+    }
+
+    /// The distance of a union is the least of those of its parts.
+    #[test]
+    fn clearance_of_a_union_is_the_least_of_its_boxes(
+        first in rectangles([0., 0.]),
+        second in rectangles([1., 1.]),
+        box_of_walls in rectangles([5., 1.]),
+        solid in stars([1., 6.]),
+        legs in displacements(),
+    ) {
+        let mut walls = solids(&[solid]);
+        walls.push_box(&box_of_walls);
+        walls.push_more(&box_of_walls.translated(&Vector::from([1.0, 0.5])));
+        let boxes = [first, second];
+        let (whole, each) = measure(&Body::from_boxes(&boxes).expect("boxes"), &walls, &legs);
+        let parts = boxes.map(|part| measure(&Body::from_box(&part), &walls, &legs));
+        let least = |values: [f64; 2]| values[0].min(values[1]);
+        let expected = least([0, 1].map(|part: usize| parts[part].0.value));
+        prop_assert_eq!(whole.value, expected);
+        for (leg, near) in each.iter().enumerate() {
+            prop_assert_eq!(near.value, least([0, 1].map(|part: usize| parts[part].1[leg].value)));
+        }
     }
 }
