@@ -11,6 +11,7 @@ mod golden;
 mod hostile;
 mod independent;
 mod kills;
+mod meshes;
 mod operation;
 mod plan;
 mod planner;

@@ -9,6 +9,7 @@ mod border;
 mod floor_plan;
 mod limits;
 mod memory;
+mod mesh;
 mod mutate;
 mod recording;
 mod reply;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
 
 pub use border::{border, message};
 pub use floor_plan::floor_plan;
+pub use mesh::mesh;
 pub use recording::recording;
 pub use reply::reply;
 pub use scene::scene;
@@ -39,9 +41,10 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     Target { name: "border", run: border, text: false, seeds: seeds::border },
     Target { name: "floor_plan", run: floor_plan, text: true, seeds: seeds::floor_plan },
+    Target { name: "mesh", run: mesh, text: false, seeds: seeds::mesh },
     Target { name: "message", run: message, text: false, seeds: seeds::message },
     Target { name: "recording", run: recording, text: false, seeds: seeds::recording },
     Target { name: "reply", run: reply, text: false, seeds: seeds::reply },

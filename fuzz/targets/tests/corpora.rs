@@ -47,6 +47,11 @@ fn floor_plans_are_read_or_refused() {
 }
 
 #[test]
+fn meshes_are_read_or_refused() {
+    check("mesh");
+}
+
+#[test]
 fn recorded_messages_are_decoded_or_refused() {
     check("message");
 }

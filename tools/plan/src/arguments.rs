@@ -24,6 +24,10 @@ stdin (`-`) holds JSON objects one after another, on one line each or spread ove
 is answered as soon as it is complete. After invalid JSON, reading goes on at the next line that
 is not indented. A stdin without a scene is an error.
 
+A body or a solid can be a rectilinear mesh: {\"mesh\": \"part.stl\", \"unit\": \"mm\"} stands for the boxes
+inside. The file is named from the scene's folder, or from the current one for stdin; the unit is m (the
+default), mm or in.
+
 CSV has a row for each sample, in SI units, with the columns
   scene,id,answer,t,x,y,z,heading,vx,vy,vz,yaw_rate
 scene counts from 1, id is the scene's own (empty if it has none), answer counts from 0.

@@ -5,6 +5,7 @@ mod grey;
 mod health;
 mod list;
 mod map_scene;
+mod mesh_scene;
 mod pictures;
 mod session;
 mod stdin;

@@ -21,7 +21,7 @@ use crate::arguments::{Arguments, Format, Unknown};
 use crate::pictures::{PictureError, Pictures};
 use crate::stdin::Stdin;
 use crate::stream::{MOST_BYTES, SceneText, Scenes};
-use crate::{grey, map_scene};
+use crate::{grey, map_scene, mesh_scene};
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -179,7 +179,7 @@ impl Session<'_> {
                 self.stdin()?;
             } else {
                 let text = read_file(path).map_err(unreadable)?;
-                let scene = self.read(&text);
+                let scene = self.read(&text, path.parent().unwrap_or(Path::new("")));
                 self.scene(&path.display().to_string(), scene)?;
             }
         }
@@ -203,7 +203,7 @@ impl Session<'_> {
             }
             let number = self.scenes + 1;
             let SceneText { line, text, fault } = scene;
-            let mut read = self.read(&text);
+            let mut read = self.read(&text, Path::new(""));
             if let Some(fault) = fault {
                 let (id, field) = match read {
                     Ok(scene) => (scene.id, None),
@@ -217,10 +217,11 @@ impl Session<'_> {
         if self.scenes == before { Err(Failure::NoScene) } else { Ok(()) }
     }
 
-    fn read(&self, text: &str) -> Result<SceneRequest, UnreadableScene> {
+    fn read(&self, text: &str, folder: &Path) -> Result<SceneRequest, UnreadableScene> {
+        let text = mesh_scene::with_boxes(text, folder)?;
         match &self.map {
-            Some(map) => map_scene::read_scene(text, &map.free_space),
-            None => json::read_scene(text),
+            Some(map) => map_scene::read_scene(&text, &map.free_space),
+            None => json::read_scene(&text),
         }
     }
 
