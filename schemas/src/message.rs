@@ -17,7 +17,8 @@ pub use reply::{
 pub(crate) use reply::{optional_text, text};
 pub use scene::{
     AxisBox, Body, Choice, ClearanceWish, Corners, Direction, Footprint, Frames, FreeSpace, Gap,
-    Goal, Limits, Pose, Report, SampleFrame, Sampling, SceneRequest, Solid, StartTurn, Task,
+    Goal, Limits, PathChoice, Pose, Report, SampleFrame, Sampling, SceneRequest, Solid, StartTurn,
+    Task,
 };
 pub use vector::Vector;
 

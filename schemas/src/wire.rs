@@ -88,8 +88,10 @@ pub mod given {
     pub const JERK: u64 = 1 << 30;
     /// `jerks[1]`
     pub const YAW_JERK: u64 = 1 << 31;
+    /// `path`
+    pub const PATH: u64 = 1 << 32;
     /// All defined bits.
-    pub const ALL: u64 = (YAW_JERK << 1) - 1;
+    pub const ALL: u64 = (PATH << 1) - 1;
 }
 
 /// Bits of [`RequestHeader::switches`]: the values of fields that are true or false.
@@ -168,8 +170,8 @@ pub struct RequestHeader {
     pub exits: u32,
     /// 1: the client sleeps and must be woken; 0: it polls.
     pub wake: u32,
-    /// 0.
-    pub reserved: u32,
+    /// Code of the way through channels in travel order.
+    pub path: u32,
     /// A period or spacing as `f64` bits, or a count.
     pub sampling: u64,
     /// Speed, acceleration, yaw rate, yaw acceleration, lateral acceleration; SI.
@@ -186,7 +188,7 @@ pub struct RequestHeader {
     pub curve: u64,
     /// Choices in the payload.
     pub choices: u64,
-    /// Points of the body in the payload: vertices, 2 corners, or 1 (width, length).
+    /// Points of the body in the payload: vertices, 2 corners of each box, or 1 (width, length).
     pub body_points: u64,
     /// Channels in the payload.
     pub channels: u64,

@@ -180,6 +180,7 @@ impl SceneRequest {
             frames: None,
             corners: None,
             stop_at_joints: None,
+            path: None,
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Frames, corners and limits on jerk of a scene request.
+//! Frames, corners, path and limits on jerk of a scene request.
 
 use super::cells::Malformed;
 use super::codes;
-use crate::message::{Corners, Frames, Pose, SampleFrame, SceneRequest, Vector};
+use crate::message::{Corners, Frames, PathChoice, Pose, SampleFrame, SceneRequest, Vector};
 use crate::wire::{RequestHeader, given};
 
 /// Writes them into the header.
@@ -27,6 +27,10 @@ pub(super) fn write(scene: &SceneRequest, header: &mut RequestHeader) {
     if let Some(corners) = scene.corners {
         header.given |= given::CORNERS;
         header.corners = codes::code(Corners::ALL, corners);
+    }
+    if let Some(path) = scene.path {
+        header.given |= given::PATH;
+        header.path = codes::code(PathChoice::ALL, path);
     }
     for (index, (limit, bit)) in
         [(scene.limits.jerk, given::JERK), (scene.limits.yaw_jerk, given::YAW_JERK)]
@@ -69,6 +73,10 @@ pub(super) fn read(
     };
     scene.corners = match has(given::CORNERS) {
         true => Some(codes::value("corners", Corners::ALL, header.corners.into())?),
+        false => None,
+    };
+    scene.path = match has(given::PATH) {
+        true => Some(codes::value("path", PathChoice::ALL, header.path.into())?),
         false => None,
     };
     Ok(())

@@ -254,7 +254,6 @@ pub fn read_scene(
         let (code, greatest) = (header.switches.into(), switch::ALL.into());
         return Err(Malformed::UnknownCode { what: "switches", code, greatest });
     }
-    demand("reserved", header.reserved, 0, "in this version")?;
     let has = |bit: u64| header.given & bit != 0;
     let dimension = header.dimension as usize;
     let mut cells = CellReader::new(cells);

@@ -10,8 +10,8 @@ use super::footprint::FootprintJson;
 use super::half_space::IntersectionJson;
 use super::values::{BoxJson, Element, List, Numbers, Point, Word, Words};
 use crate::message::{
-    AxisBox, Body, Corners, Direction, Frames, FreeSpace, Goal, Limits, Pose, Report, SampleFrame,
-    Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
+    AxisBox, Body, Corners, Direction, Frames, FreeSpace, Goal, Limits, PathChoice, Pose, Report,
+    SampleFrame, Sampling, SceneRequest, Solid, StartTurn, Task, Vector,
 };
 
 /// A scene request: where to plan, what moves, and how. Lengths are in metres, angles
@@ -65,8 +65,8 @@ pub(super) struct SceneJson<'a> {
     /// metres; at least 0. Default: a tenth of the robot's length.
     #[serde(skip_serializing_if = "Option::is_none")]
     stop_cost: Option<f64>,
-    /// `drive` only: `"full"` for `bound` and `free_clearance` in trajectories through channels in
-    /// travel order, too.
+    /// Through channels in travel order: `"full"` for `bound` in trajectories, and in those of `drive`
+    /// `free_clearance`.
     #[serde(skip_serializing_if = "Option::is_none")]
     report: Option<Word<Report>>,
     /// The clearance gaps to plan with; one answer, or several.
@@ -94,6 +94,10 @@ pub(super) struct SceneJson<'a> {
     /// false.
     #[serde(skip_serializing_if = "Option::is_none")]
     stop_at_joints: Option<bool>,
+    /// Assembly tasks through channels in travel order only: the way by the rules, or the shortest
+    /// that keeps the gap. Default: `"rules"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path: Option<Word<PathChoice>>,
 }
 
 impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
@@ -120,6 +124,7 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             frames,
             corners,
             stop_at_joints,
+            path,
         } = scene;
         Self {
             id: *id,
@@ -143,6 +148,7 @@ impl<'a> From<&'a SceneRequest> for SceneJson<'a> {
             frames: frames.map(FramesJson::from),
             corners: corners.map(Word),
             stop_at_joints: *stop_at_joints,
+            path: path.map(Word),
         }
     }
 }
@@ -171,6 +177,7 @@ impl SceneJson<'_> {
             frames,
             corners,
             stop_at_joints,
+            path,
         } = self;
         Ok(SceneRequest {
             id,
@@ -194,6 +201,7 @@ impl SceneJson<'_> {
             frames: frames.map(Frames::from),
             corners: corners.map(|Word(corners)| corners),
             stop_at_joints,
+            path: path.map(|Word(path)| path),
         })
     }
 }

@@ -39,7 +39,7 @@ pub struct SceneRequest {
     /// Driving: the length that a stop is worth, metres; by default a tenth of the robot's
     /// length.
     pub stop_cost: Option<f64>,
-    /// Driving: what the reply says of each trajectory.
+    /// What the reply says of each trajectory.
     pub report: Option<Report>,
     /// The clearance gaps to plan with.
     pub clearance: ClearanceWish,
@@ -56,6 +56,9 @@ pub struct SceneRequest {
     pub corners: Option<Corners>,
     /// Driving: whether the robot stops wherever a leg meets another of a different curvature.
     pub stop_at_joints: Option<bool>,
+    /// Assembly tasks through channels in travel order: which way through them; by default that of
+    /// the rules.
+    pub path: Option<PathChoice>,
 }
 
 impl SceneRequest {
@@ -96,6 +99,7 @@ impl SceneRequest {
             frames: None,
             corners: None,
             stop_at_joints: None,
+            path: None,
         }
     }
 }
@@ -339,6 +343,17 @@ pub enum Corners {
     Sharp = "sharp",
     /// Along arcs.
     Arc = "arc",
+}
+}
+
+named! {
+/// Which way a part takes through channels in travel order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum PathChoice {
+    /// By the rules of Table 1.
+    Rules = "rules",
+    /// The shortest that keeps the gap.
+    Shortest = "shortest",
 }
 }
 

@@ -5,9 +5,9 @@ use proptest::prelude::*;
 use schemas::codec;
 use schemas::message::{
     AxisBox, Body, Choice, Clearance, ClearanceWish, Corners, Curve, Digest, ErrorCode,
-    ExceededLimit, Exceeds, Footprint, Frames, FreeSpace, Gap, Goal, Leg, Limits, Pose, Refusal,
-    ReplyPart, Report, Request, RequestContent, RequestKey, Rule, Sample, SampleFrame, Sampling,
-    SceneRequest, Solid, StartTurn, Trajectory, Vector,
+    ExceededLimit, Exceeds, Footprint, Frames, FreeSpace, Gap, Goal, Leg, Limits, PathChoice, Pose,
+    Refusal, ReplyPart, Report, Request, RequestContent, RequestKey, Rule, Sample, SampleFrame,
+    Sampling, SceneRequest, Solid, StartTurn, Trajectory, Vector,
 };
 
 use super::strategies::{
@@ -171,6 +171,7 @@ fn read_scene(from: &mut Bytes) -> SceneRequest {
         }),
         corners: from.option(|from| from.one_of(&[Corners::Sharp, Corners::Arc])),
         stop_at_joints: from.option(Bytes::bool),
+        path: from.option(|from| from.one_of(&[PathChoice::Rules, PathChoice::Shortest])),
     }
 }
 

@@ -105,7 +105,7 @@ pub(crate) const SCENES: [(&str, &str); 10] = [
             {"min": [0, 0, 1], "max": [1, 9, 5]} ]}, {"box": {"min": [7, 0, 1], "max": [9, 9, 5]}} ] },
         "body": { "boxes": [ {"min": [2, 2, 1], "max": [3, 3, 4]},
             {"min": [3, 2, 3], "max": [5, 3, 4]} ] },
-        "clearance": { "gap": 0.25 } }"#,
+        "clearance": { "gap": 0.25 }, "path": "shortest", "report": "full" }"#,
     ),
 ];
 

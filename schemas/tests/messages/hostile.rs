@@ -142,10 +142,10 @@ proptest! {
         let header = convert::header_of(&header);
         check_scene(&header, &cells);
         let known = RequestHeader {
-            version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 32),
+            version: wire::VERSION, dimension: 2 + header.dimension % 2, given: header.given % (1 << 33),
             task: header.task % 3, body_kind: header.body_kind % 4, start_turn: 0,
             sampling_kind: 0, wish_kind: header.wish_kind % 3, exits: header.exits % 2,
-            reserved: 0, switches: header.switches % 8, report: 0, corners: header.corners % 2,
+            path: header.path % 2, switches: header.switches % 8, report: 0, corners: header.corners % 2,
             sample_frame: header.sample_frame % 2, ..header
         };
         check_scene(&known, &cells);
@@ -321,8 +321,8 @@ fn contradictions_are_refused() {
     );
     check_scene_refused(
         section_4,
-        |header| header.given = 1 << 32,
-        &format!("given is 4294967296{known} 4294967295"),
+        |header| header.given = 1 << 33,
+        &format!("given is 8589934592{known} 8589934591"),
     );
     check_scene_refused(
         unions,
@@ -335,8 +335,11 @@ fn contradictions_are_refused() {
     check_scene_refused(section_4, |header| header.task = 3, &format!("task is 3{known} 2"));
     check_scene_refused(
         section_4,
-        |header| header.reserved = 7,
-        "reserved is 7, must be 0 in this version",
+        |header| {
+            header.given |= schemas::wire::given::PATH;
+            header.path = 7;
+        },
+        &format!("path is 7{known} 1"),
     );
     let twice = "choices is 2, must be 1 for a single clearance";
     check_scene_refused(section_4, |header| header.choices = 2, twice);

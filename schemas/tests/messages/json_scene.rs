@@ -277,7 +277,7 @@ fn unknown_fields_are_named() {
     };
     let scene = "id task free_space body exit start goal start_turn reverse turn_in_place \
                  min_turn_radius turn_cost stop_cost report clearance limits sampling deadline \
-                 frames corners stop_at_joints";
+                 frames corners stop_at_joints path";
     check("colour", "1", "colour", scene);
     check("", "1", "scene.\"\"", scene);
     check(&"x".repeat(99), "1", &format!("{}…", "x".repeat(60)), scene);
@@ -480,7 +480,7 @@ fn what_surrounds_a_scene_is_refused() {
     assert!(json::read_scene(&format!(" \r\n\t{text}\n\n")).is_ok());
     let list = json::read_scene("[7]").unwrap_err();
     assert_eq!(list.id, None);
-    assert!(list.refusal.message.ends_with("`stop_at_joints`, not a list of 1"), "{list:?}");
+    assert!(list.refusal.message.ends_with("`path`, not a list of 1"), "{list:?}");
     assert!(list.refusal.message.starts_with("scene must be an object with `id`, `task`"));
 }
 

@@ -5,9 +5,9 @@ use proptest::option::of;
 use proptest::prelude::*;
 use schemas::message::{
     Answer, AxisBox, Body, Choice, Clearance, ClearanceWish, Corners, Curve, Digest, Direction,
-    ErrorCode, ExceededLimit, Exceeds, Footprint, Frames, FreeSpace, Gap, Goal, Leg, Limits, Pose,
-    Refusal, ReplyPart, Report, RequestKey, Rule, Rung, Sample, SampleFrame, Sampling,
-    SceneRequest, Solid, StartTurn, Task, Trajectory, Vector,
+    ErrorCode, ExceededLimit, Exceeds, Footprint, Frames, FreeSpace, Gap, Goal, Leg, Limits,
+    PathChoice, Pose, Refusal, ReplyPart, Report, RequestKey, Rule, Rung, Sample, SampleFrame,
+    Sampling, SceneRequest, Solid, StartTurn, Task, Trajectory, Vector,
 };
 
 pub(crate) type Numbers = BoxedStrategy<f64>;
@@ -210,6 +210,7 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
         of(frames),
         of(one_of(&[Corners::Sharp, Corners::Arc])),
         of(any::<bool>()),
+        of(one_of(&[PathChoice::Rules, PathChoice::Shortest])),
     );
     (what, how, manner)
         .prop_map(
@@ -224,6 +225,7 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
                     frames,
                     corners,
                     stop_at_joints,
+                    path,
                 ),
             )| SceneRequest {
                 id,
@@ -247,6 +249,7 @@ fn scene_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<SceneRequest> 
                 frames,
                 corners,
                 stop_at_joints,
+                path,
             },
         )
         .boxed()

@@ -11,8 +11,8 @@ use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::route::{BodyMover, Mover, RouteError, Router};
 use planning::trajectory::{Profile, Stops};
 use planning::translation::{self, NoWay};
-use schemas::convert::{PartSink, TrajectoryWriter};
-use schemas::message::{self, Corners, Refusal, Task};
+use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
+use schemas::message::{self, Corners, PathChoice, Refusal, Task};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -509,6 +509,10 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         if let Some(outside) = ends.outside {
             course.go_on(outside, exit.axis);
         }
+        let takes_shortest = terms.scene.path == Some(PathChoice::Shortest);
+        if takes_shortest || terms.scene.report.is_some() {
+            course.shorten(body.bounds(), ends.outside.as_ref(), takes_shortest, budget)?;
+        }
         let near = course.measure(body, walls, budget)?;
         let checked = match near {
             Some(near)
@@ -547,7 +551,8 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
 
     fn write<S: PartSink>(&self, last: bool, parts: &mut Parts<'_, S>) -> Result<(), S::Error> {
         let Memory { course, profile, .. } = &*self.memory;
-        let Course { path, clearances, clearance, route, .. } = course;
+        let Course { path, clearances, clearance, route, bound, .. } = course;
+        let bound = bound.filter(|_| self.terms.scene.report.is_some());
         let (legs, ends) = (path.legs(), self.terms.ends);
         let way = self.ways[self.chosen].as_ref();
         let made = self.made();
@@ -570,6 +575,7 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
             header.length = path.length();
             header.duration = profile.duration();
             parts::clearance(header, clearance.as_ref());
+            header.set_certificate(Certificate { bound, free_clearance: None, complete: true });
         };
         parts.trajectory(fill, lists, last)
     }

@@ -31,19 +31,22 @@ pub(crate) fn fields(scene: Scene<'_>) -> Result<(), Refusal> {
         ("min_turn_radius", scene.min_turn_radius.is_some() && !drive),
         ("turn_cost", scene.turn_cost.is_some() && !drive),
         ("stop_cost", scene.stop_cost.is_some() && !drive),
-        ("report", scene.report.is_some() && !drive),
         ("limits.yaw_rate", limits.yaw_rate.is_some() && !drive),
         ("limits.yaw_acceleration", limits.yaw_acceleration.is_some() && !drive),
         ("limits.lateral_acceleration", limits.lateral_acceleration.is_some() && !drive),
         ("limits.yaw_jerk", limits.yaw_jerk.is_some() && !drive),
         ("stop_at_joints", scene.stop_at_joints.is_some() && !drive),
         ("frames", scene.frames.is_some() && drive),
+        ("path", scene.path.is_some() && drive),
         ("exit", !scene.exit.is_empty() && drive),
     ];
     if let Some((field, _)) = stray.into_iter().find(|(_, stray)| *stray) {
         return Err(stray_field(field, scene.task));
     }
     corners(scene)?;
+    if !drive {
+        way(scene)?;
+    }
     let free_space = &scene.free_space;
     if free_space.channels.is_none() {
         if free_space.solids.as_ref().is_none_or(Vec::is_empty) {
@@ -76,6 +79,22 @@ fn corners(scene: Scene<'_>) -> Result<(), Refusal> {
         }
         _ => Ok(()),
     }
+}
+
+/// Which way an assembly task takes, and what is told of it, is asked for channels in travel order.
+fn way(scene: Scene<'_>) -> Result<(), Refusal> {
+    let channels = scene.free_space.channels.as_deref().unwrap_or_default();
+    // One channel has but one order.
+    if channels.len() == 1 || (scene.free_space.in_order && !channels.is_empty()) {
+        return Ok(());
+    }
+    let given = [("path", scene.path.is_some()), ("report", scene.report.is_some())];
+    let Some((field, _)) = given.into_iter().find(|(_, given)| *given) else { return Ok(()) };
+    let message = format!(
+        "{field}: in assembly tasks this is for channels in travel order; give \
+         free_space.channels with in_order"
+    );
+    Err(Refusal::invalid(field, message))
 }
 
 /// A field of another task.

@@ -56,7 +56,7 @@ fn fields_of_another_task_are_refused() {
     check_stray(PART, "min_turn_radius", "1");
     check_stray(PART, "turn_cost", "1");
     check_stray(PART, "stop_cost", "1");
-    check_stray(PART, "report", r#""full""#);
+    check_stray(DRIVE, "path", r#""rules""#);
     check_stray(DRIVE, "exit", r#""+x""#);
     assert!(reply(with(PART, r#""limits": { "speed": 1, "acceleration": 1 }"#)).answers.is_ok());
     assert!(reply(with(DRIVE, r#""limits": { "yaw_rate": 1 }"#)).answers.is_ok());

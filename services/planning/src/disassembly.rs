@@ -8,10 +8,13 @@ use crate::free_space::{Chain, Junction};
 use crate::geometry::number::Number;
 use crate::geometry::{AxisBox, HalfSpace, Sign, Vector};
 use crate::motion::{Curve, Leg, Rule};
+pub use shortest_way::{ShortestWay, shortest_way};
 use table::{Margin, turn_in};
 use thiserror::Error;
 
+mod shortest_way;
 mod table;
+mod tour;
 
 /// Steps of the budget that the rule for one junction takes.
 const STEPS_PER_CHANNEL: u64 = 2;

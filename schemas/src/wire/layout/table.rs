@@ -5,8 +5,8 @@ use std::mem::offset_of;
 use super::Words::{Bits, Codes};
 use super::{Field, Item, Layout, Payload, Section, Structure, Words, field};
 use crate::message::{
-    Axis, Corners, CurveKind, Direction, ErrorCode, ExceededLimit, Report, Rung, SampleFrame,
-    StartTurn, Task,
+    Axis, Corners, CurveKind, Direction, ErrorCode, ExceededLimit, PathChoice, Report, Rung,
+    SampleFrame, StartTurn, Task,
 };
 use crate::wire::{
     Leg, ReplyHeader, RequestHeader, Sample, TapHeader, VERSION, given, present, reported, switch,
@@ -20,7 +20,7 @@ offset in bytes, type, field. Payloads are cells of 8 bytes, items in the order 
 What a bit or a count declares absent is not read. D is the header's dimension.
 ";
 
-const GIVEN: [(&str, u64); 32] = [
+const GIVEN: [(&str, u64); 33] = [
     ("id", given::ID),
     ("channels", given::CHANNELS),
     ("in_order", given::IN_ORDER),
@@ -53,6 +53,7 @@ const GIVEN: [(&str, u64); 32] = [
     ("stop_at_joints", given::STOP_AT_JOINTS),
     ("jerk", given::JERK),
     ("yaw_jerk", given::YAW_JERK),
+    ("path", given::PATH),
 ];
 
 const SWITCHES: [(&str, u64); 3] = [
@@ -160,7 +161,7 @@ const SECTIONS: &[Section] = &[
         wish_kind (Codes(&["one choice", "each", "curve"])): ""
         exits: "entries in the payload"
         wake: "1: the client sleeps and must be woken"
-        reserved: "0"
+        path (Codes(PathChoice::NAMES)): ""
         sampling: "f64 bits in s or m, or the count"
         limits: "speed, acceleration, yaw_rate, yaw_acceleration, lateral_acceleration; SI units"
         deadline: "s from arrival"

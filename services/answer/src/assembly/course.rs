@@ -3,7 +3,7 @@
 use planning::budget::{Budget, Spent};
 use planning::clearance::Clearance;
 use planning::clearance::translating::{Body, clearance_body_legs};
-use planning::disassembly::{DisassemblyError, DisassemblyPath, Gap, disassemble};
+use planning::disassembly::{DisassemblyError, DisassemblyPath, Gap, disassemble, shortest_way};
 use planning::free_space::walls::Walls;
 use planning::free_space::{Chain, ChainError, End, Mouth};
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
@@ -21,6 +21,9 @@ pub(super) struct Course<const D: usize> {
     /// The way out that the chain is for, if it is of all channels in order.
     all_to: Option<Direction>,
     pub(super) path: DisassemblyPath<D>,
+    /// What no way through the same channels at the same gap is shorter than, metres, where it was
+    /// looked for.
+    pub(super) bound: Option<f64>,
     /// Of the legs, and of the whole motion; none where there are no walls.
     pub(super) clearances: Vec<Clearance<D>>,
     pub(super) clearance: Option<Clearance<D>>,
@@ -87,6 +90,7 @@ impl<const D: usize> Course<D> {
     /// Takes a way that leads through no channels.
     pub(super) fn take(&mut self, way: &[Vector<D>]) {
         self.all_to = None;
+        self.bound = None;
         self.route.clear();
         self.path.set_way(way);
     }
@@ -108,7 +112,24 @@ impl<const D: usize> Course<D> {
         gap: Gap<'_, D>,
         budget: &Budget<'_>,
     ) -> Result<(), DisassemblyError> {
+        self.bound = None;
         disassemble(&self.chain, body, gap, &mut self.path, budget)
+    }
+
+    /// Looks for the shortest way at the gap of the path, and takes it if so wanted.
+    pub(super) fn shorten(
+        &mut self,
+        body: &AxisBox<D>,
+        goal: Option<&Vector<D>>,
+        takes: bool,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        let way = shortest_way(&self.chain, body, goal, &self.path, budget)?;
+        self.bound = Some(way.bound);
+        if takes {
+            self.path.set_legs(&way.legs);
+        }
+        Ok(())
     }
 
     /// How far a body at this displacement is beyond the mouth with its last side, metres; or how

@@ -7,6 +7,7 @@ use crate::section_4::{CHANNELS, MALE};
 use proptest::prelude::*;
 
 mod optimum;
+mod shortest;
 
 const PLUS_Z: Direction = Direction { axis: 1, sign: Sign::Positive };
 

@@ -40,7 +40,7 @@ fn least(mut low: f64, mut high: f64, function: &dyn Fn(f64) -> f64) -> f64 {
 
 /// Length of the shortest path that keeps `gap` in every junction and leaves by
 /// a pure exit motion.
-fn optimum(scene: &Scene<2>, chain: &Chain<2>, path: &DisassemblyPath<2>) -> f64 {
+pub(super) fn optimum(scene: &Scene<2>, chain: &Chain<2>, path: &DisassemblyPath<2>) -> f64 {
     let spaces: Vec<[Vector<2>; 2]> = chain
         .junctions()
         .iter()
