@@ -7,15 +7,19 @@
 //! Exact and complete: [`Cavity::plan`] finds the shortest way at a margin, and refuses only where
 //! there is none (`docs/method.md`, section 14).
 
+use std::cell::RefCell;
+
 use crate::budget::{Budget, Cap, Spent};
 use crate::clearance::translating::Body;
 use crate::free_space::mouth_of;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector, polygon};
+use blocks::Blocks;
 use shortest::{Out, shortest};
 use sums::{Obstacles, SumMargin, Sums};
 use widest::{CirclePolygon, closing, cut_near};
 
+mod blocks;
 mod convex;
 mod shortest;
 mod sums;
@@ -113,6 +117,8 @@ impl<const D: usize> From<Spent> for NoWay<D> {
 pub struct MovedPart {
     /// Reflected at the origin.
     pieces: Vec<Vec<Vector<2>>>,
+    /// Of the reflected part.
+    hull: Vec<Vector<2>>,
     outlines: Vec<Vec<Vector<2>>>,
     bounds: AxisBox<2>,
 }
@@ -128,7 +134,9 @@ impl MovedPart {
         for piece in &mut pieces {
             piece.iter_mut().for_each(|vertex| *vertex = -*vertex);
         }
-        Ok(Self { pieces, outlines, bounds: *body.bounds() })
+        let reflected: Vec<_> = outlines.iter().flatten().map(|vertex| -*vertex).collect();
+        let hull = convex::hull(&reflected);
+        Ok(Self { pieces, hull, outlines, bounds: *body.bounds() })
     }
 }
 
@@ -166,8 +174,8 @@ impl Cavity<'_> {
         out: Out,
         budget: &Budget<'_>,
     ) -> Result<Vec<Vector<2>>, NoWay<2>> {
-        let limits = self.limits();
-        let obstacles = self.obstacles(&limits);
+        let (limits, blocks) = (self.limits(), RefCell::default());
+        let obstacles = self.obstacles(&limits, &blocks);
         self.check_start(obstacles, budget)?;
         let search = DemandSearch { cavity: self, obstacles, out, budget };
         match wish {
@@ -219,7 +227,11 @@ impl Cavity<'_> {
         (part.max().sup(&bounds.max()) - part.min().inf(&bounds.min())).amax()
     }
 
-    fn obstacles<'s>(&'s self, limits: &'s [Wall<2>]) -> Obstacles<'s> {
+    fn obstacles<'s>(
+        &'s self,
+        limits: &'s [Wall<2>],
+        blocks: &'s RefCell<Blocks>,
+    ) -> Obstacles<'s> {
         let (part, bounds) = (&self.part.bounds, &self.bounds);
         let extent = self.extent();
         let farthest = [part.min(), part.max(), bounds.min(), bounds.max()]
@@ -229,8 +241,10 @@ impl Cavity<'_> {
         let rounding = (ROUNDING * extent).max(16.0 * f64::EPSILON * farthest);
         Obstacles {
             walls: self.walls,
+            blocks,
             limits,
             pieces: &self.part.pieces,
+            hull: &self.part.hull,
             relaxed: const { &[Vector::<2>::new(0.0, 0.0)] },
             bounds: [-part.max(), -part.min()],
             center: part.center(),
@@ -275,7 +289,7 @@ impl Cavity<'_> {
     }
 
     fn check_start(&self, obstacles: Obstacles<'_>, budget: &Budget<'_>) -> Result<(), NoWay<2>> {
-        let mut sums = Sums::new(obstacles, SumMargin::Contact);
+        let mut sums = Sums::new(obstacles, SumMargin::Contact, budget)?;
         let found = sums.depth(&Vector::zeros(), budget)?;
         sums.release(budget);
         if let Some((wall, out)) = found {
@@ -308,7 +322,7 @@ struct DemandSearch<'a> {
 
 impl DemandSearch<'_> {
     fn way(&self, margin: SumMargin) -> Result<Option<Vec<Vector<2>>>, Spent> {
-        let mut sums = Sums::new(self.obstacles, margin);
+        let mut sums = Sums::new(self.obstacles, margin, self.budget)?;
         let way = shortest(&mut sums, self.out, self.budget);
         sums.release(self.budget);
         way
@@ -362,8 +376,9 @@ impl DemandSearch<'_> {
     fn wider(&self, clearance: f64) -> Result<Vec<Vector<2>>, NoWay<2>> {
         let Self { cavity, budget, .. } = *self;
         let walls = cut_near(cavity.walls, &cavity.part.outlines, cavity.extent(), budget)?;
-        let search =
-            DemandSearch { obstacles: Obstacles { walls: &walls, ..self.obstacles }, ..*self };
+        let blocks = RefCell::default();
+        let obstacles = Obstacles { walls: &walls, blocks: &blocks, ..self.obstacles };
+        let search = DemandSearch { obstacles, ..*self };
         let circle = CirclePolygon::new(cavity.walls, &cavity.part.pieces);
         let more = clearance + SAME_CLEARANCE * cavity.extent();
         search.way(circle.margin(more))?.ok_or(NoWay::Closed(None))
@@ -377,7 +392,8 @@ impl DemandSearch<'_> {
         };
         let extent = cavity.extent();
         let walls = cut_near(cavity.walls, &cavity.part.outlines, extent, budget)?;
-        let obstacles = Obstacles { walls: &walls, ..self.obstacles };
+        let blocks = RefCell::default();
+        let obstacles = Obstacles { walls: &walls, blocks: &blocks, ..self.obstacles };
         let search = DemandSearch { obstacles, ..*self };
         let mut circle = CirclePolygon::new(cavity.walls, &cavity.part.pieces);
         // Roughly at first.
@@ -430,7 +446,7 @@ impl DemandSearch<'_> {
         let mut narrow = None;
         while most - least > NARROW * half {
             let middle = f64::midpoint(least, most);
-            let mut sums = Sums::new(self.obstacles, SumMargin::Overlap(middle));
+            let mut sums = Sums::new(self.obstacles, SumMargin::Overlap(middle), self.budget)?;
             let way = shortest(&mut sums, self.out, self.budget)?;
             sums.release(self.budget);
             if let Some(way) = way {

@@ -1,5 +1,7 @@
 //! Walls: what a body must not touch.
 
+use std::ops::Range;
+
 use crate::budget::{Budget, Spent};
 use crate::geometry::box_tree::{BoxTree, distance_squared_box_box};
 use crate::geometry::distance::distance_point_segment;
@@ -257,6 +259,18 @@ impl<const D: usize> Walls<D> {
         let SolidSurface { solid, walls: (first, count), .. } =
             self.solids[after.checked_sub(1)?];
         (wall < first + count).then_some(solid)
+    }
+
+    /// The walls of the solid to which a wall belongs, in the order of its outline unless it is a box.
+    pub(crate) fn walls_of_solid(&self, wall: usize) -> Option<Range<usize>> {
+        let (first, count) = self.solids[self.solid_of(wall)?].walls;
+        Some(first..first + count)
+    }
+
+    /// The solid to which a wall belongs, if it was added as a box.
+    pub(crate) fn box_of(&self, wall: usize) -> Option<&AxisBox<D>> {
+        let solid = &self.solids[self.solid_of(wall)?];
+        solid.is_box.then_some(&solid.bounds)
     }
 
     /// The smallest box around all walls; `None` without any.

@@ -142,14 +142,6 @@ fn merge(
 /// segment, given by its two ends.
 pub(super) fn sum(one: &[Vector<2>], other: &[Vector<2>], sum: &mut Vec<Vector<2>>) {
     sum.clear();
-    let lowest = |polygon: &[Vector<2>]| {
-        (0..polygon.len())
-            .min_by(|a, b| {
-                let (a, b) = (&polygon[*a], &polygon[*b]);
-                a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0]))
-            })
-            .unwrap_or(0)
-    };
     let (m, n) = (one.len(), other.len());
     let (first, second) = (lowest(one), lowest(other));
     let (mut i, mut j) = (0, 0);
@@ -167,15 +159,46 @@ pub(super) fn sum(one: &[Vector<2>], other: &[Vector<2>], sum: &mut Vec<Vector<2
     }
 }
 
+/// The lowest vertex of a polygon, the first of those along the first axis.
+pub(super) fn lowest(polygon: &[Vector<2>]) -> usize {
+    let order = |a: &usize, b: &usize| {
+        let (a, b) = (&polygon[*a], &polygon[*b]);
+        a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0]))
+    };
+    (0..polygon.len()).min_by(order).unwrap_or(0)
+}
+
 /// Positive where the edge `a` comes before `b` counter-clockwise from the direction +x, 0 where
 /// they are parallel.
-fn angle_order(a: &Vector<2>, b: &Vector<2>) -> f64 {
+pub(super) fn angle_order(a: &Vector<2>, b: &Vector<2>) -> f64 {
     let is_down = |edge: &Vector<2>| edge[1] < 0.0 || (edge[1] == 0.0 && edge[0] < 0.0);
     match (is_down(a), is_down(b)) {
         (false, true) => 1.0,
         (true, false) => -1.0,
         _ => cross(a, b),
     }
+}
+
+/// The convex polygon around points, counter-clockwise (Andrew's monotone chain).
+pub(super) fn hull(points: &[Vector<2>]) -> Vec<Vector<2>> {
+    let mut points = points.to_vec();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let mut hull: Vec<Vector<2>> = Vec::new();
+    for _ in 0..2 {
+        let first = hull.len();
+        for point in &points {
+            while let [.., a, b] = &hull[first..]
+                && side_of_line(a, b, point) != Side::Left
+            {
+                hull.pop();
+            }
+            hull.push(*point);
+        }
+        // The other chain begins with it.
+        hull.pop();
+        points.reverse();
+    }
+    hull
 }
 
 /// The least and the greatest coordinates of a polygon.

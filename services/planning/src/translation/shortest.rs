@@ -6,11 +6,15 @@
 //! that is no longer than the one sought, and the first line of it that has not been looked at is
 //! in the queue. So the first way that is complete is the shortest; and where the queue is empty,
 //! there is none.
+//!
+//! A taut way goes on from a place only within a wedge: from straight on to along the sum that it
+//! turns about. Most known sums have nothing in it. Each place keeps a list of the others: they
+//! alone can be in the way of its lines, the nearest of them of nearly all.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use super::sums::Sums;
+use super::sums::{Shift, SumPolygon, Sums};
 use crate::budget::{Budget, Held, Spent};
 use crate::geometry::distance::cross;
 use crate::geometry::orientation::Side;
@@ -19,8 +23,9 @@ use crate::geometry::{Direction, Vector, polygon};
 /// Steps that a line takes which is put into the queue.
 const STEPS_PER_LINE: u64 = 4;
 
-/// Bytes that a place takes, and a line in the queue.
+/// Bytes that a place takes, a vertex of a known sum, and a line in the queue.
 const BYTES_PER_PLACE: usize = 160;
+const BYTES_PER_VERTEX: usize = 64;
 const BYTES_PER_LINE: usize = 64;
 
 /// Where a way out ends: at this displacement along an axis, or beyond.
@@ -45,15 +50,59 @@ impl Out {
 }
 
 /// A displacement that can be reached.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 struct Settled {
     at: Vector<2>,
     /// The side on which the sum is that the way touches here; `None` at the start.
     side: Option<Side>,
-    /// Along the side of that sum that follows: a way that turns farther would enter it.
+    /// The way arrives in this direction, a unit vector, on a line of this length, metres; zero if
+    /// that is too short to tell.
+    arriving: (Vector<2>, f64),
+    /// Along the side of that sum that follows, likewise: a way that turns farther would enter it.
     along: Vector<2>,
     length: f64,
     before: usize,
+    /// The known sums that reach into what lies ahead; first what was in the way last.
+    ahead: Vec<u32>,
+}
+
+impl Settled {
+    /// `off` where sums are on the left, and the opposite where they are on the right; 0 at the start.
+    fn turned(&self, off: f64) -> f64 {
+        match self.side {
+            Some(Side::Left) => off,
+            Some(_) => -off,
+            None => 0.0,
+        }
+    }
+}
+
+/// A vertex of known sums.
+#[derive(Debug, Clone, Copy)]
+struct SumCorner {
+    /// The place there where sums are on the left of the way, and where they are on the right.
+    places: [Option<u32>; 2],
+}
+
+/// A sum that has been in the way.
+#[derive(Debug)]
+struct KnownSum {
+    sum: usize,
+    /// A circle around it.
+    around: (Vector<2>, f64),
+    /// The corner at each vertex.
+    corners: Vec<u32>,
+    /// Where it meets the line of the goal.
+    ends: Vec<Vector<2>>,
+}
+
+/// Where a line leads.
+#[derive(Debug, Clone, Copy)]
+enum LineEnd {
+    /// To the goal.
+    Goal,
+    /// To a corner, a sum being on this side; along the side of the sum that follows.
+    Vertex { corner: u32, side: Side, along: Vector<2> },
 }
 
 /// A line that may be part of the way.
@@ -67,10 +116,7 @@ struct Line {
     /// The length to its beginning when it was found.
     length: f64,
     to: Vector<2>,
-    /// `None` at the goal.
-    side: Option<Side>,
-    /// The side of the sum that follows.
-    along: Vector<2>,
+    target: LineEnd,
 }
 
 impl PartialEq for Line {
@@ -94,19 +140,21 @@ impl Ord for Line {
     }
 }
 
-type StepKey = (u64, u64, bool);
-
 struct WaySearch<'s, 'a, 'b> {
     sums: &'s mut Sums<'a>,
     out: Out,
     budget: &'b Budget<'b>,
     held: Held<'b>,
     places: Vec<Settled>,
-    by_key: BTreeMap<StepKey, usize>,
+    corners: Vec<SumCorner>,
+    /// By the bits of the coordinates: sums share corners.
+    corner_at: BTreeMap<(u64, u64), u32>,
     queue: BinaryHeap<Line>,
     turn: u64,
-    known: Vec<usize>,
+    known: Vec<KnownSum>,
     bytes: usize,
+    /// Memory for lines that were found.
+    found: Vec<(Vector<2>, LineEnd)>,
 }
 
 /// The shortest way from no displacement to the goal, both included; `None` where there is none.
@@ -121,60 +169,97 @@ pub(super) fn shortest(
         budget,
         held: Held::new(budget, 0)?,
         places: Vec::new(),
-        by_key: BTreeMap::new(),
+        corners: Vec::new(),
+        corner_at: BTreeMap::new(),
         queue: BinaryHeap::new(),
         turn: 0,
         known: Vec::new(),
         bytes: 0,
+        found: Vec::new(),
     };
     let nowhere = Vector::zeros();
-    let start = Settled { at: nowhere, side: None, along: nowhere, length: 0.0, before: 0 };
+    let start = Settled {
+        at: nowhere,
+        side: None,
+        arriving: (nowhere, 0.0),
+        along: nowhere,
+        length: 0.0,
+        before: 0,
+        ahead: Vec::new(),
+    };
     search.places.push(start);
     search.expand(0)?;
     while let Some(line) = search.queue.pop() {
         budget.step(1)?;
-        let Line { from, to, side, along, length, .. } = line;
-        let begin = search.places[from];
+        let Line { from, to, target, length, .. } = line;
+        let begin = &search.places[from];
         if begin.length < length {
             continue;
         }
-        let length = length + (to - begin.at).norm();
-        if side.is_some_and(|side| search.is_beaten(&to, side, length)) {
+        let shift = Shift::new(&begin.at, &to);
+        let length = length + shift.length();
+        if search.is_beaten(target, length) || search.is_blocked(from, &shift)? {
             continue;
         }
-        if let Some(sum) = search.sums.in_the_way((&begin.at, &to), budget)? {
+        if let Some(sum) = search.sums.in_the_way(&shift, budget)? {
             search.learn(sum)?;
             continue;
         }
-        let Some(side) = side else { return Ok(Some(search.way(from, to))) };
-        search.reach(Settled { at: to, side: Some(side), along, length, before: from })?;
+        match target {
+            LineEnd::Goal => return Ok(Some(search.way(from, to))),
+            LineEnd::Vertex { corner, side, along } => {
+                search.reach((corner, side), (to, along), (from, length))?;
+            }
+        }
     }
     Ok(None)
 }
 
-fn key(at: &Vector<2>, side: Side) -> StepKey {
-    // No negative zero.
-    ((at.x + 0.0).to_bits(), (at.y + 0.0).to_bits(), side == Side::Left)
-}
-
 impl WaySearch<'_, '_, '_> {
-    fn is_beaten(&self, at: &Vector<2>, side: Side, length: f64) -> bool {
-        let known = self.by_key.get(&key(at, side));
-        known.is_some_and(|place| self.places[*place].length <= length)
+    fn place_at(&mut self, corner: u32, side: Side) -> &mut Option<u32> {
+        &mut self.corners[corner as usize].places[usize::from(side != Side::Left)]
     }
 
-    fn reach(&mut self, place: Settled) -> Result<(), Spent> {
-        let Some(side) = place.side else { return Ok(()) };
-        let index = match self.by_key.get(&key(&place.at, side)) {
-            Some(index) => *index,
+    fn is_beaten(&self, target: LineEnd, length: f64) -> bool {
+        let LineEnd::Vertex { corner, side, .. } = target else { return false };
+        let place = self.corners[corner as usize].places[usize::from(side != Side::Left)];
+        place.is_some_and(|place| self.places[place as usize].length <= length)
+    }
+
+    /// Arrives at a corner from a place, by a way of this length.
+    fn reach(
+        &mut self,
+        (corner, side): (u32, Side),
+        (at, along): (Vector<2>, Vector<2>),
+        (before, length): (usize, f64),
+    ) -> Result<(), Spent> {
+        let least = self.least();
+        let towards = |line: Vector<2>| {
+            let length = line.norm();
+            if length > least { (line / length, length) } else { (Vector::zeros(), 0.0) }
+        };
+        let place = Settled {
+            at,
+            side: Some(side),
+            arriving: towards(at - self.places[before].at),
+            along: towards(along).0,
+            length,
+            before,
+            ahead: Vec::new(),
+        };
+        let index = match *self.place_at(corner, side) {
+            Some(index) => {
+                self.places[index as usize] = place;
+                index as usize
+            }
             None => {
                 self.take(BYTES_PER_PLACE)?;
                 self.places.push(place);
-                self.by_key.insert(key(&place.at, side), self.places.len() - 1);
-                self.places.len() - 1
+                let index = self.places.len() - 1;
+                *self.place_at(corner, side) = Some(named(index));
+                index
             }
         };
-        self.places[index] = place;
         self.expand(index)
     }
 
@@ -183,16 +268,32 @@ impl WaySearch<'_, '_, '_> {
         self.held.resize(self.bytes)
     }
 
+    /// Whether a known sum is in the way of a line from a place.
+    fn is_blocked(&mut self, from: usize, shift: &Shift) -> Result<bool, Spent> {
+        let ahead = &mut self.places[from].ahead;
+        let found = ahead.iter().position(|known| {
+            let KnownSum { sum, around, .. } = &self.known[*known as usize];
+            shift.comes_near(around) && self.sums.polygon(*sum).is_entered_by(shift)
+        });
+        self.budget.step(1 + found.map_or(ahead.len(), |at| at + 1) as u64)?;
+        if let Some(at) = found {
+            // Most likely it is in the way of the next line as well.
+            ahead[..=at].rotate_right(1);
+        }
+        Ok(found.is_some())
+    }
+
+    /// Puts all lines from a place into the queue.
     fn expand(&mut self, from: usize) -> Result<(), Spent> {
         let at = self.places[from].at;
         let goal = if self.out.missing(&at) > 0.0 { self.out.beside(&at) } else { at };
-        if self.may_be_shorter(from, &goal, None) {
-            self.push(from, goal, None, Vector::zeros())?;
+        self.found.clear();
+        self.found.push((goal, LineEnd::Goal));
+        self.budget.step(self.known.len() as u64 / 2)?;
+        for known in 0..self.known.len() {
+            self.look_at(from, known)?;
         }
-        for index in 0..self.known.len() {
-            self.join(from, self.known[index])?;
-        }
-        Ok(())
+        self.push_found(from)
     }
 
     /// A sum is in the way.
@@ -200,110 +301,125 @@ impl WaySearch<'_, '_, '_> {
         if !self.sums.learn(sum) {
             return Ok(());
         }
-        self.known.push(sum);
+        let vertices = self.sums.polygon(sum).vertices();
+        let exit = self.out.exit;
+        let beyond = |vertex: &Vector<2>| exit.coordinate(vertex) - self.out.distance;
+        let ends = polygon::edges(vertices).filter_map(|(a, b)| {
+            let (before, after) = (beyond(&a), beyond(&b));
+            let place = a + (b - a) * (before / (before - after));
+            ((before < 0.0) != (after < 0.0)).then(|| self.out.beside(&place))
+        });
+        let ends = ends.collect();
+        let corners = vertices.iter().map(|vertex| {
+            // No negative zero.
+            let key = ((vertex.x + 0.0).to_bits(), (vertex.y + 0.0).to_bits());
+            *self.corner_at.entry(key).or_insert_with(|| {
+                self.corners.push(SumCorner { places: [None; 2] });
+                named(self.corners.len() - 1)
+            })
+        });
+        let corners: Vec<_> = corners.collect();
+        self.budget.step(STEPS_PER_LINE * corners.len() as u64)?;
+        self.take(BYTES_PER_VERTEX * corners.len())?;
+        let around = self.sums.polygon(sum).around();
+        self.known.push(KnownSum { sum, around, corners, ends });
+        self.budget.step(self.places.len() as u64 / 2)?;
         for from in 0..self.places.len() {
-            self.join(from, sum)?;
+            self.found.clear();
+            self.look_at(from, self.known.len() - 1)?;
+            self.push_found(from)?;
         }
         Ok(())
     }
 
-    /// Puts the lines from a place to a sum into the queue: those that touch it, and those to where
-    /// it meets the line of the goal.
-    fn join(&mut self, from: usize, sum: usize) -> Result<(), Spent> {
-        let at = self.places[from].at;
-        self.budget.step(1)?;
-        if self.is_aside(from, self.sums.around(sum)) {
+    /// Finds the lines from a place to a known sum: those that touch it, and those to where it meets
+    /// the line of the goal.
+    fn look_at(&mut self, from: usize, known: usize) -> Result<(), Spent> {
+        let KnownSum { sum, around, corners, ends } = &self.known[known];
+        if self.is_aside(&self.places[from], around) {
             return Ok(());
         }
-        let vertices = self.sums.vertices(sum);
-        let count = vertices.len();
-        self.budget.step(1 + vertices.len() as u64)?;
-        let mut found = Vec::new();
-        self.sums.touching(sum, &at, |index, vertex, side| {
-            let next = if side == Side::Left { index + 1 } else { index + count - 1 };
-            found.push((*vertex, Some((index, side)), vertices[next % count] - vertex));
-        });
-        let exit = self.out.exit;
-        let beyond = |vertex: &Vector<2>| exit.coordinate(vertex) - self.out.distance;
-        for (a, b) in polygon::edges(vertices) {
-            let (before, after) = (beyond(&a), beyond(&b));
-            if (before < 0.0) != (after < 0.0) {
-                let place = a + (b - a) * (before / (before - after));
-                found.push((self.out.beside(&place), None, Vector::zeros()));
-            }
+        let polygon = self.sums.polygon(*sum);
+        self.budget.step(2)?;
+        if self.has_aside(&self.places[from], polygon) {
+            return Ok(());
         }
-        for (to, vertex, along) in found {
-            let side = vertex.map(|(_, side)| side);
-            if !self.may_be_shorter(from, &to, side) {
-                continue;
-            }
-            if let Some((index, _)) = vertex
-                && self.sums.is_covered(sum, index, self.budget)?
+        let vertices = polygon.vertices();
+        let count = vertices.len();
+        self.budget.step(1 + count as u64 / 2)?;
+        let place = &mut self.places[from];
+        place.ahead.push(named(known));
+        let at = place.at;
+        polygon.touching(&at, self.sums.rounding(), |index, vertex, side| {
+            let next = if side == Side::Left { index + 1 } else { index + count - 1 };
+            let along = vertices[next % count] - vertex;
+            self.found.push((*vertex, LineEnd::Vertex { corner: corners[index], side, along }));
+        });
+        self.found.extend(ends.iter().map(|end| (*end, LineEnd::Goal)));
+        self.take(size_of::<u32>())
+    }
+
+    /// Puts those of the lines that were found from a place into the queue which may be part of a taut
+    /// way, and of one that is shorter than those known.
+    fn push_found(&mut self, from: usize) -> Result<(), Spent> {
+        for index in 0..self.found.len() {
+            let (to, target) = self.found[index];
+            let place = &self.places[from];
+            let shift = Shift::new(&place.at, &to);
+            let length = place.length + shift.length();
+            if !self.goes_on(place, &shift)
+                || self.is_beaten(target, length)
+                || self.is_blocked(from, &shift)?
             {
                 continue;
             }
-            self.push(from, to, side, along)?;
+            let left = match target {
+                LineEnd::Goal => 0.0,
+                LineEnd::Vertex { .. } => self.out.missing(&to),
+            };
+            let (least, turn) = (length + left, self.turn);
+            let length = self.places[from].length;
+            self.turn += 1;
+            self.budget.step(STEPS_PER_LINE)?;
+            self.take(BYTES_PER_LINE)?;
+            self.queue.push(Line { least, turn, from, length, to, target });
         }
         Ok(())
     }
 
-    /// Whether a line can be part of a taut way, and of one that is shorter than those known.
-    fn may_be_shorter(&self, from: usize, to: &Vector<2>, side: Option<Side>) -> bool {
-        let place = &self.places[from];
-        let way = to - place.at;
-        let goes_on = place.side.is_none_or(|turns| self.goes_on(place, &way, turns));
-        let length = place.length + way.norm();
-        goes_on && !side.is_some_and(|side| self.is_beaten(to, side, length))
-    }
-
-    fn push(
-        &mut self,
-        from: usize,
-        to: Vector<2>,
-        side: Option<Side>,
-        along: Vector<2>,
-    ) -> Result<(), Spent> {
-        let place = &self.places[from];
-        let length = place.length + (to - place.at).norm();
-        let least = length + side.map_or(0.0, |_| self.out.missing(&to));
-        let line = Line { least, turn: self.turn, from, length: place.length, to, side, along };
-        self.turn += 1;
-        self.budget.step(STEPS_PER_LINE)?;
-        self.take(BYTES_PER_LINE)?;
-        self.queue.push(line);
-        Ok(())
-    }
-
-    /// Whether a taut way that arrives at a place can go on by `way`: straight on, or towards the
+    /// Whether a taut way that arrives at a place can go on like this: straight on, or towards the
     /// side of the sum that it touches there.
-    fn goes_on(&self, place: &Settled, way: &Vector<2>, turns: Side) -> bool {
-        let arriving = place.at - self.places[place.before].at;
-        let least = 4.0 * self.sums.tolerance();
-        let (before, after) = (arriving.norm(), way.norm());
-        if before <= least || after <= least {
+    fn goes_on(&self, place: &Settled, shift: &Shift) -> bool {
+        let (arriving, before) = &place.arriving;
+        let (way, after, least) = (shift.along(), shift.length(), self.least());
+        if *before == 0.0 || after <= least {
             return true;
         }
         // How far the way turns off from straight on.
-        let off = cross(&arriving, way) / before.max(after);
-        let off = if turns == Side::Left { off } else { -off };
+        let off = place.turned(cross(arriving, way)) * (before / before.max(after));
         off >= -least && (off > least || arriving.dot(way) > 0.0)
     }
 
-    /// Whether no way that goes on from a place leads into a circle: it would turn away from the sum
-    /// that it touches there, or into it.
-    fn is_aside(&self, from: usize, (center, radius): (Vector<2>, f64)) -> bool {
-        let place = &self.places[from];
-        let Some(side) = place.side else { return false };
-        let least = 4.0 * self.sums.tolerance();
-        let arriving = place.at - self.places[place.before].at;
+    /// Whether no way that goes on from a place leads to a sum: it would turn away from the sum that it
+    /// touches there, or into it.
+    fn has_aside(&self, place: &Settled, sum: &SumPolygon) -> bool {
+        let beyond = -2.0 * self.least();
+        let turned = |direction: &Vector<2>| direction * place.turned(1.0);
+        sum.farthest_left(&place.at, &turned(&place.arriving.0)) < beyond
+            || sum.farthest_left(&place.at, &-turned(&place.along)) < beyond
+    }
+
+    /// The same of a circle.
+    fn is_aside(&self, place: &Settled, (center, radius): &(Vector<2>, f64)) -> bool {
         let to = center - place.at;
-        let sign = if side == Side::Left { 1.0 } else { -1.0 };
-        let is_right = |line: &Vector<2>, off: f64| {
-            let length = line.norm();
-            length > least && off < -(radius + 2.0 * least) * length
-        };
-        is_right(&arriving, sign * cross(&arriving, &to))
-            || is_right(&place.along, sign * cross(&to, &place.along))
+        let beyond = -(radius + 2.0 * self.least());
+        place.turned(cross(&place.arriving.0, &to)) < beyond
+            || place.turned(cross(&to, &place.along)) < beyond
+    }
+
+    /// Shorter lines have no direction, metres.
+    fn least(&self) -> f64 {
+        4.0 * self.sums.tolerance()
     }
 
     fn way(&self, from: usize, to: Vector<2>) -> Vec<Vector<2>> {
@@ -320,4 +436,8 @@ impl WaySearch<'_, '_, '_> {
         way.reverse();
         way
     }
+}
+
+fn named(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
 }

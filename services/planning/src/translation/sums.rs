@@ -1,13 +1,15 @@
 //! Where the body must not be: the Minkowski sums of walls and its reflected pieces.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::cell::RefCell;
 
+use super::blocks::{Block, Blocks};
 use super::convex;
 use crate::budget::{Budget, Spent};
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
-use crate::geometry::orientation::Side;
+pub(super) use polygon::{Shift, SumPolygon};
+
+mod polygon;
 
 /// Vertices of a sum looked at in one step.
 const VERTICES_PER_STEP: u64 = 2;
@@ -16,7 +18,12 @@ const VERTICES_PER_STEP: u64 = 2;
 const BYTES_PER_VERTEX: usize = 40;
 
 /// Bytes that a sum takes besides.
-const BYTES_PER_SUM: usize = 64;
+const BYTES_PER_SUM: usize = 128;
+
+/// Bytes that a unit takes, besides those for each piece.
+const BYTES_PER_UNIT: usize = 192;
+
+const NONE: u32 = u32::MAX;
 
 /// Places on each leg at which the depth of a way is looked at.
 const PLACES: usize = 64;
@@ -26,10 +33,14 @@ const PLACES: usize = 64;
 pub(super) struct Obstacles<'a> {
     /// The surfaces of solids.
     pub(super) walls: &'a Walls<2>,
+    /// The blocks of these solids.
+    pub(super) blocks: &'a RefCell<Blocks>,
     /// Walls to which no distance need be kept.
     pub(super) limits: &'a [Wall<2>],
     /// The body reflected at the origin, cut into convex pieces, counter-clockwise.
     pub(super) pieces: &'a [Vec<Vector<2>>],
+    /// The convex hull of the reflected body.
+    pub(super) hull: &'a [Vector<2>],
     /// Displacements at which the body may be as near to the walls as it is there.
     pub(super) relaxed: &'a [Vector<2>],
     /// The least and the greatest corner of the reflected body, metres.
@@ -71,27 +82,49 @@ impl SumMargin {
     }
 }
 
-/// A face of a sum: its outward unit normal, and how far the sum reaches along it, metres, less
-/// what counts as contact.
-#[derive(Debug, Clone, Copy)]
-struct SumSide {
-    normal: Vector<2>,
-    reach: f64,
+/// A wall, or a block of a solid, with the sums of it and each piece of the body.
+#[derive(Debug)]
+struct Unit {
+    /// The first of its walls.
+    wall: usize,
+    shape: UnitShape,
+    low: Vector<2>,
+    high: Vector<2>,
+    /// What holds all of its sums, if there are several.
+    hull: Option<SumPolygon>,
+    /// The sum of each piece, `NONE` where it has not been made.
+    sums: Vec<u32>,
+    /// The query that looked at it last.
+    seen: u64,
 }
 
-/// The sum of one wall and one piece.
-#[derive(Debug, Clone)]
+/// What a unit is.
+#[derive(Debug)]
+enum UnitShape {
+    /// A wall, from which no margin need be kept if it is a limit.
+    Wall { ends: [Vector<2>; 2], is_limit: bool },
+    /// A convex part of a solid.
+    Block(Vec<Vector<2>>),
+}
+
+impl UnitShape {
+    fn corners(&self) -> &[Vector<2>] {
+        match self {
+            Self::Wall { ends, .. } => ends,
+            Self::Block(corners) => corners,
+        }
+    }
+}
+
+/// The sum of a unit and a piece.
+#[derive(Debug)]
 struct PieceSum {
+    /// The first wall of the unit.
     wall: usize,
     piece: usize,
     /// Whether it has been in the way.
     is_known: bool,
-    /// What its faces count as contact, metres.
-    slack: f64,
-    /// A circle around it.
-    around: (Vector<2>, f64),
-    vertices: Range<usize>,
-    faces: Range<usize>,
+    polygon: SumPolygon,
 }
 
 /// The sums for one margin, each made when it is first looked at.
@@ -104,63 +137,82 @@ pub(super) struct Sums<'a> {
     /// The pieces with the margin around them, and their bounds.
     enlarged: Vec<Vec<Vector<2>>>,
     bounds: Vec<[Vector<2>; 2]>,
+    /// The hull of all pieces with the margin around it, if there are several.
+    hull: Option<Vec<Vector<2>>>,
     /// How far the body reaches from its middle, with the margin.
     reach: f64,
-    /// By wall and piece.
-    made: BTreeMap<(usize, usize), usize>,
+    /// Walls of which less may be asked, and the first wall of the solid of each.
+    near: Vec<(usize, Wall<2>)>,
+    /// By wall; `NONE` where nobody has looked.
+    unit_of: Vec<u32>,
+    units: Vec<Unit>,
     sums: Vec<PieceSum>,
-    vertices: Vec<Vector<2>>,
-    /// What covers a vertex, if anything does; `None` where nobody has looked.
-    covers: Vec<Option<Option<usize>>>,
-    faces: Vec<SumSide>,
+    queries: u64,
     /// Bytes taken from the budget.
     held: usize,
 }
 
 impl<'a> Sums<'a> {
-    pub(super) fn new(obstacles: Obstacles<'a>, margin: SumMargin) -> Self {
+    pub(super) fn new(
+        obstacles: Obstacles<'a>,
+        margin: SumMargin,
+        budget: &Budget<'_>,
+    ) -> Result<Self, Spent> {
+        let Obstacles { walls, limits, pieces, hull, relaxed, bounds, .. } = obstacles;
         let around = margin.polygon();
-        let enlarged: Vec<Vec<Vector<2>>> = obstacles
-            .pieces
-            .iter()
-            .map(|piece| match margin {
-                SumMargin::Contact | SumMargin::Overlap(_) => piece.clone(),
-                SumMargin::PerAxis(_) | SumMargin::Around(_) => {
-                    let mut sum = Vec::new();
-                    convex::sum(piece, &around, &mut sum);
-                    sum
-                }
-            })
-            .collect();
-        let bounds = enlarged.iter().map(|piece| convex::bounds(piece)).collect();
-        let beyond = around.iter().map(Vector::norm).fold(0.0, f64::max);
-        Self {
-            reach: obstacles.radius + beyond,
+        let enlarge = |piece: &[Vector<2>]| match margin {
+            SumMargin::Contact | SumMargin::Overlap(_) => piece.to_vec(),
+            SumMargin::PerAxis(_) | SumMargin::Around(_) => {
+                let mut sum = Vec::new();
+                convex::sum(piece, &around, &mut sum);
+                sum
+            }
+        };
+        let enlarged: Vec<_> = pieces.iter().map(|piece| enlarge(piece)).collect();
+        let count = walls.as_slice().len() + limits.len();
+        let held = size_of::<u32>() * count;
+        budget.hold(held)?;
+        let mut near = Vec::new();
+        if !matches!(margin, SumMargin::Contact | SumMargin::Overlap(_)) {
+            let [low, high] = convex::bounds(&around);
+            let play = Vector::repeat(obstacles.tolerance);
+            for end in relaxed {
+                let (min, max) = (end - bounds[1] + low - play, end - bounds[0] + high + play);
+                walls.near(&min, &max, 0.0, budget, |index, wall| {
+                    if let Some(solid) = walls.walls_of_solid(index) {
+                        near.push((solid.start, *wall));
+                    }
+                })?;
+            }
+        }
+        Ok(Self {
+            reach: obstacles.radius + around.iter().map(Vector::norm).fold(0.0, f64::max),
+            bounds: enlarged.iter().map(|piece| convex::bounds(piece)).collect(),
+            hull: (pieces.len() > 1).then(|| enlarge(hull)),
             obstacles,
             margin,
             around,
             enlarged,
-            bounds,
-            made: BTreeMap::new(),
+            near,
+            unit_of: vec![NONE; count],
+            units: Vec::new(),
             sums: Vec::new(),
-            vertices: Vec::new(),
-            covers: Vec::new(),
-            faces: Vec::new(),
-            held: 0,
-        }
+            queries: 0,
+            held,
+        })
     }
 
     pub(super) fn tolerance(&self) -> f64 {
         self.obstacles.tolerance
     }
 
-    /// The centre and the radius of a circle around a sum, metres.
-    pub(super) fn around(&self, sum: usize) -> (Vector<2>, f64) {
-        self.sums[sum].around
+    pub(super) fn polygon(&self, sum: usize) -> &SumPolygon {
+        &self.sums[sum].polygon
     }
 
-    pub(super) fn vertices(&self, sum: usize) -> &[Vector<2>] {
-        &self.vertices[self.sums[sum].vertices.clone()]
+    /// What is told apart where lines touch sums, metres.
+    pub(super) fn rounding(&self) -> f64 {
+        self.obstacles.rounding
     }
 
     /// Remembers a sum that is in the way. Returns whether it is new.
@@ -168,42 +220,21 @@ impl<'a> Sums<'a> {
         !std::mem::replace(&mut self.sums[sum].is_known, true)
     }
 
-    /// Whether the body can't be where a sum has its vertex `index`, because of a sum that is known.
-    pub(super) fn is_covered(
-        &mut self,
-        sum: usize,
-        index: usize,
-        budget: &Budget<'_>,
-    ) -> Result<bool, Spent> {
-        let at = self.sums[sum].vertices.start + index;
-        let covers = match self.covers[at] {
-            Some(covers) => covers,
-            None => {
-                let vertex = self.vertices[at];
-                let covers = self.in_the_way((&vertex, &vertex), budget)?;
-                self.covers[at] = Some(covers);
-                covers
-            }
-        };
-        Ok(covers.is_some_and(|covers| self.sums[covers].is_known))
-    }
-
-    /// A sum in the way of a displacement that changes from `from` to `to`; `None` if that is free.
-    /// It is one that is known, or else the one that most of the way is in.
+    /// A sum in the way of a shift of the displacement; `None` if that is free. It is one that is
+    /// known, or else the one that most of the way is in.
     pub(super) fn in_the_way(
         &mut self,
-        (from, to): (&Vector<2>, &Vector<2>),
+        shift: &Shift,
         budget: &Budget<'_>,
     ) -> Result<Option<usize>, Spent> {
         let Obstacles { walls, limits, center, .. } = self.obstacles;
-        let segment = (&(center + from), &(center + to));
+        let segment = (&(center + shift.from), &(center + shift.to));
         let reach = look_reach(self.reach);
+        self.queries += 1;
         let mut deepest: Option<(f64, usize)> = None;
         let mut spent = Ok(());
-        let (low, high) = (from.inf(to), from.sup(to));
         let mut look = |index: usize, wall: &Wall<2>| {
-            let found = self.most_in_the_way((index, wall), (from, to), [&low, &high], budget);
-            match found {
+            match self.most_in_the_way((index, wall), shift, budget) {
                 Ok(Some(found)) if deepest.is_none_or(|(most, _)| found.0 > most) => {
                     deepest = Some(found);
                     // Nothing is to be learnt.
@@ -224,22 +255,34 @@ impl<'a> Sums<'a> {
     fn most_in_the_way(
         &mut self,
         (index, wall): (usize, &Wall<2>),
-        (from, to): (&Vector<2>, &Vector<2>),
-        [low, high]: [&Vector<2>; 2],
+        shift: &Shift,
         budget: &Budget<'_>,
     ) -> Result<Option<(f64, usize)>, Spent> {
-        let (least, greatest) = wall.bounds();
+        let at = self.unit((index, wall), budget)?;
+        let unit = &mut self.units[at];
+        if std::mem::replace(&mut unit.seen, self.queries) == self.queries {
+            return Ok(None);
+        }
+        budget.step(1)?;
+        if unit.hull.as_ref().is_some_and(|hull| hull.is_passed_by(shift)) {
+            return Ok(None);
+        }
+        let (least, greatest) = (unit.low, unit.high);
         let mut most: Option<(f64, usize)> = None;
         for piece in 0..self.enlarged.len() {
             let [min, max] = &self.bounds[piece];
-            let (min, max) = (least + min, greatest + max);
-            if (0..2).any(|axis| max[axis] <= low[axis] || high[axis] <= min[axis]) {
+            if !shift.comes_into(&[least + min, greatest + max]) {
                 continue;
             }
-            let sum = self.sum(index, wall, piece, budget)?;
-            budget.step(self.sums[sum].faces.len() as u64 / VERTICES_PER_STEP)?;
-            let within = self.part_within(sum, (from, to));
-            if within > 0.0 && self.sums[sum].is_known {
+            let sum = self.sum(at, piece, budget)?;
+            let PieceSum { polygon, is_known, .. } = &self.sums[sum];
+            budget.step(1)?;
+            if polygon.is_passed_by(shift) {
+                continue;
+            }
+            budget.step(polygon.vertices().len() as u64 / VERTICES_PER_STEP)?;
+            let within = polygon.part_within(shift);
+            if within > 0.0 && *is_known {
                 return Ok(Some((f64::INFINITY, sum)));
             }
             if within > 0.0 && most.is_none_or(|(part, _)| within > part) {
@@ -249,81 +292,108 @@ impl<'a> Sums<'a> {
         Ok(most)
     }
 
-    /// How much of a segment, from 0 to 1, is inside a sum by more than the tolerance.
-    fn part_within(&self, sum: usize, (from, to): (&Vector<2>, &Vector<2>)) -> f64 {
-        let along = to - from;
-        let (mut enter, mut exit) = (0.0_f64, 1.0_f64);
-        for SumSide { normal, reach } in &self.faces[self.sums[sum].faces.clone()] {
-            let depth = reach - normal.dot(from);
-            let rate = normal.dot(&along);
-            if rate > 0.0 {
-                exit = exit.min(depth / rate);
-            } else if rate < 0.0 {
-                enter = enter.max(depth / rate);
-            } else if depth <= 0.0 {
-                return 0.0;
-            }
-            if exit <= enter {
-                return 0.0;
-            }
-        }
-        exit - enter
-    }
-
-    /// The sum of a wall and a piece.
-    fn sum(
+    /// The unit that a wall belongs to.
+    fn unit(
         &mut self,
-        index: usize,
-        wall: &Wall<2>,
-        piece: usize,
+        (index, wall): (usize, &Wall<2>),
         budget: &Budget<'_>,
     ) -> Result<usize, Spent> {
-        if let Some(sum) = self.made.get(&(index, piece)) {
-            return Ok(*sum);
+        if self.unit_of[index] != NONE {
+            return Ok(self.unit_of[index] as usize);
         }
-        let is_limit = index >= self.obstacles.walls.as_slice().len();
-        let mut polygon = Vec::new();
-        let enlarged = if is_limit { &self.obstacles.pieces[piece] } else { &self.enlarged[piece] };
-        convex::sum(enlarged, &[wall.from, wall.to], &mut polygon);
-        let mut slack = self.obstacles.tolerance;
-        if let (false, SumMargin::Overlap(depth)) = (is_limit, &self.margin) {
-            slack = self.obstacles.rounding;
-            polygon = convex::inset(&polygon, *depth);
-        } else if !is_limit
-            && self.margin != SumMargin::Contact
-            && !self.reduce(piece, wall, &mut polygon)
-        {
-            slack = self.obstacles.rounding;
-        }
-        // One face for each vertex.
-        polygon.dedup();
-        if polygon.first() == polygon.last() {
-            polygon.pop();
-        }
-        let (first, first_face) = (self.vertices.len(), self.faces.len());
-        self.vertices.extend(&polygon);
-        self.covers.resize(self.vertices.len(), None);
-        let faces = convex::normals(&polygon)
-            .map(|(normal, reach)| SumSide { normal, reach: reach - slack });
-        self.faces.extend(faces);
-        let bytes = polygon.len() * BYTES_PER_VERTEX + BYTES_PER_SUM;
+        let Obstacles { walls, blocks, .. } = self.obstacles;
+        let is_limit = index >= walls.as_slice().len();
+        let mut blocks = blocks.borrow_mut();
+        let block = match self.margin {
+            SumMargin::Overlap(_) => None,
+            _ if is_limit => None,
+            _ => blocks.of(walls, index, budget)?.map(|block| blocks.get(block)),
+        };
+        let number = self.units.len();
+        let name = u32::try_from(number).unwrap_or(NONE);
+        let (wall, shape) = match block {
+            Some(block) if !self.is_relaxed_beside(block, budget)? => {
+                block.walls.iter().for_each(|wall| self.unit_of[*wall] = name);
+                (block.walls[0], UnitShape::Block(block.corners.clone()))
+            }
+            _ => {
+                self.unit_of[index] = name;
+                (index, UnitShape::Wall { ends: [wall.from, wall.to], is_limit })
+            }
+        };
+        let corners = shape.corners();
+        let hull = self.hull.as_ref().map(|hull| {
+            let mut sum = Vec::new();
+            convex::sum(hull, corners, &mut sum);
+            SumPolygon::new(sum, 0.0)
+        });
+        let [low, high] = convex::bounds(corners);
+        let vertices = hull.as_ref().map_or(0, |hull| hull.vertices().len());
+        let bytes =
+            BYTES_PER_UNIT + size_of::<u32>() * self.enlarged.len() + vertices * BYTES_PER_VERTEX;
         budget.hold(bytes)?;
         self.held += bytes;
-        budget.step(4 + 2 * polygon.len() as u64)?;
+        budget.step(4 + 2 * vertices as u64)?;
+        let sums = vec![NONE; self.enlarged.len()];
+        self.units.push(Unit { wall, shape, low, high, hull, sums, seen: 0 });
+        Ok(number)
+    }
+
+    /// Whether a block reaches, with the margin, to a wall of its solid of which less may be asked.
+    fn is_relaxed_beside(&self, block: &Block, budget: &Budget<'_>) -> Result<bool, Spent> {
+        budget.step(self.near.len() as u64 / VERTICES_PER_STEP)?;
+        let [low, high] = convex::bounds(&block.corners);
+        let [min, max] = convex::bounds(&self.around);
+        let (low, high) = (low + min, high + max);
+        Ok(self.near.iter().any(|(solid, wall)| {
+            let (min, max) = wall.bounds();
+            *solid == block.solid
+                && (0..2).all(|axis| low[axis] <= max[axis] && min[axis] <= high[axis])
+        }))
+    }
+
+    /// The sum of a unit and a piece.
+    fn sum(&mut self, unit: usize, piece: usize, budget: &Budget<'_>) -> Result<usize, Spent> {
+        let Unit { wall, shape, sums, .. } = &self.units[unit];
+        if sums[piece] != NONE {
+            return Ok(sums[piece] as usize);
+        }
+        let mut vertices = Vec::new();
+        let slack = self.make((shape, piece), &mut vertices);
+        let polygon = SumPolygon::new(vertices, slack);
+        let count = polygon.vertices().len();
+        let bytes = count * BYTES_PER_VERTEX + BYTES_PER_SUM;
+        budget.hold(bytes)?;
+        self.held += bytes;
+        budget.step(4 + 2 * count as u64)?;
         let sum = self.sums.len();
-        let [min, max] = convex::bounds(&polygon);
-        let middle = if polygon.is_empty() { Vector::zeros() } else { (min + max) / 2.0 };
-        self.sums.push(PieceSum {
-            wall: index,
-            piece,
-            is_known: false,
-            slack,
-            around: (middle, polygon.iter().map(|at| (at - middle).norm()).fold(0.0, f64::max)),
-            vertices: first..self.vertices.len(),
-            faces: first_face..self.faces.len(),
-        });
-        self.made.insert((index, piece), sum);
+        self.sums.push(PieceSum { wall: *wall, piece, is_known: false, polygon });
+        self.units[unit].sums[piece] = u32::try_from(sum).unwrap_or(NONE);
         Ok(sum)
+    }
+
+    /// Fills `polygon` with the sum of a unit and a piece. Returns how much overlap is contact,
+    /// metres.
+    fn make(&self, (shape, piece): (&UnitShape, usize), polygon: &mut Vec<Vector<2>>) -> f64 {
+        let Obstacles { pieces, tolerance, rounding, .. } = self.obstacles;
+        let corners = shape.corners();
+        let UnitShape::Wall { ends, is_limit: false } = shape else {
+            let is_limit = matches!(shape, UnitShape::Wall { .. });
+            let piece = if is_limit { &pieces[piece] } else { &self.enlarged[piece] };
+            convex::sum(piece, corners, polygon);
+            let is_contact = is_limit || self.margin == SumMargin::Contact;
+            return if is_contact { tolerance } else { rounding };
+        };
+        convex::sum(&self.enlarged[piece], corners, polygon);
+        match &self.margin {
+            SumMargin::Contact => tolerance,
+            SumMargin::Overlap(depth) => {
+                *polygon = convex::inset(polygon, *depth);
+                rounding
+            }
+            _ if self.reduce(piece, &Wall { from: ends[0], to: ends[1] }, polygon) => tolerance,
+            _ => rounding,
+        }
     }
 
     /// Replaces `polygon`, the sum with the whole margin, by the sum at no more than the distances
@@ -381,45 +451,6 @@ impl<'a> Sums<'a> {
         })
     }
 
-    /// Calls `visit` with each vertex of a sum at which a line from `point` touches it, and the side
-    /// of the line on which the sum is.
-    pub(super) fn touching(
-        &self,
-        sum: usize,
-        point: &Vector<2>,
-        mut visit: impl FnMut(usize, &Vector<2>, Side),
-    ) {
-        let polygon = self.vertices(sum);
-        let tolerance = self.obstacles.rounding;
-        let count = polygon.len();
-        let PieceSum { faces, slack, .. } = &self.sums[sum];
-        let faces = &self.faces[faces.clone()];
-        let beyond = |face: &SumSide| face.normal.dot(point) - face.reach - slack;
-        let Some(mut left) = faces.last().map(beyond) else { return };
-        for (at, (vertex, face)) in polygon.iter().zip(faces).enumerate() {
-            // A line touches where one side faces the point and the next does not.
-            let entered = std::mem::replace(&mut left, beyond(face));
-            if entered * left > 0.0 && entered.abs().min(left.abs()) > tolerance {
-                continue;
-            }
-            let (before, after) = (&polygon[(at + count - 1) % count], &polygon[(at + 1) % count]);
-            let line = vertex - point;
-            let length = line.norm();
-            let side = |other: &Vector<2>| {
-                (line.x * (other.y - vertex.y) - line.y * (other.x - vertex.x)) / length
-            };
-            if length > 0.0 {
-                let (a, b) = (side(before), side(after));
-                if a >= -tolerance && b >= -tolerance {
-                    visit(at, vertex, Side::Left);
-                }
-                if a <= tolerance && b <= tolerance {
-                    visit(at, vertex, Side::Right);
-                }
-            }
-        }
-    }
-
     /// The wall in whose sum the displacement `at` lies deepest, and the shortest move out of the
     /// sum, metres.
     pub(super) fn depth(
@@ -427,12 +458,9 @@ impl<'a> Sums<'a> {
         at: &Vector<2>,
         budget: &Budget<'_>,
     ) -> Result<Option<(usize, Vector<2>)>, Spent> {
-        let Some(sum) = self.in_the_way((at, at), budget)? else { return Ok(None) };
-        let PieceSum { wall, vertices, .. } = &self.sums[sum];
-        let faces = convex::normals(&self.vertices[vertices.clone()]);
-        let out = faces.map(|(normal, reach)| normal * (reach - normal.dot(at)));
-        let least = out.min_by(|a, b| a.norm().total_cmp(&b.norm()));
-        Ok(least.map(|out| (*wall, out)))
+        let Some(sum) = self.in_the_way(&Shift::new(at, at), budget)? else { return Ok(None) };
+        let PieceSum { wall, polygon, .. } = &self.sums[sum];
+        Ok(polygon.out(at).map(|out| (*wall, out)))
     }
 
     /// Across which direction a way lies deepest in the bare sums of the body, and the wall.

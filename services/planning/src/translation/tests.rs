@@ -1,12 +1,17 @@
+use std::f64::consts::TAU;
+
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
+use super::blocks::{Block, Blocks};
 use super::{Demand, NoWay};
 use crate::budget::Budget;
 use crate::clearance::translating::{Body, clearance_body_legs};
 use crate::disassembly::DisassemblyPath;
-use crate::geometry::polygon::Polygon;
-use crate::geometry::{Direction, Sign, Vector};
+use crate::free_space::walls::{Wall, Walls};
+use crate::geometry::orientation::{Side, side_of_line};
+use crate::geometry::polygon::{self, Polygon};
+use crate::geometry::{Direction, Sign, Vector, unit};
 use judge::Strictness;
 use scene::{Scene, length, scenes};
 
@@ -58,6 +63,48 @@ fn shortest_way_is_that_of_all_sums() {
         }
     });
     assert!(solved > 100 && refused > 50 && snug > 10, "{solved} {refused} {snug}");
+}
+
+/// Of solids in either sense, and of one with several hundred edges.
+#[test]
+fn blocks_are_convex_parts_of_solids_with_all_of_their_edges() {
+    let star = |at: usize| unit(at as f64 * TAU / 300.0) * [5.0, 4.7, 3.0, 4.9, 4.95][at % 5];
+    let mut outlines = vec![(0..300).map(star).collect::<Vec<_>>()];
+    each_scene(100, |scene| outlines.extend(scene.outlines.iter().cloned()));
+    let reversed = outlines.iter().map(|outline| outline.iter().rev().copied().collect());
+    let outlines: Vec<Vec<_>> = reversed.chain(outlines.iter().cloned()).collect();
+    let (mut edges, mut all) = (0, 0);
+    for outline in outlines {
+        let budget = Budget::default();
+        let solid = Polygon::new(outline, &budget).unwrap();
+        let (mut walls, mut blocks) = (Walls::default(), Blocks::default());
+        walls.push_polygon(&solid);
+        walls.index(&budget).unwrap();
+        for (wall, Wall { from, to }) in walls.as_slice().iter().enumerate() {
+            let block = blocks.of(&walls, wall, &budget).unwrap().unwrap();
+            let Block { corners, walls: sides, .. } = blocks.get(block);
+            assert_eq!(sides.iter().filter(|side| **side == wall).count(), 1);
+            // As the blocks are listed by their first walls, each counts once.
+            all += usize::from(sides[0] == wall);
+            edges += 1;
+            if let [a, b] = corners[..] {
+                assert!([a, b].contains(from) && [a, b].contains(to));
+                continue;
+            }
+            let sides: Vec<_> = polygon::edges(corners).collect();
+            let has = |point: &Vector<2>, least: Side| {
+                sides.iter().all(|(a, b)| {
+                    let side = side_of_line(a, b, point);
+                    side == Side::Left || side == least
+                })
+            };
+            assert!(corners.iter().chain([from, to]).all(|corner| has(corner, Side::On)));
+            assert!(!solid.vertices().iter().any(|vertex| has(vertex, Side::Left)));
+            let middle = corners.iter().sum::<Vector<2>>() / corners.len() as f64;
+            assert!(solid.contains(&middle), "{corners:?}");
+        }
+    }
+    assert!(2 * all < edges, "{all} {edges}");
 }
 
 fn up() -> Direction {
