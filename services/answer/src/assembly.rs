@@ -270,17 +270,17 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         Ok(())
     }
 
-    /// Finds the path of an answer. Where there are several ways out, it is the shortest.
+    /// Finds the path of an answer. Where there are several ways out, it is the shortest, or, where
+    /// the safest is wished for, the shortest of those with the most room.
     fn find(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
-        let mut best: Option<(f64, usize)> = None;
+        let mut best: Option<usize> = None;
         let count = self.ways.iter().flatten().count();
         if count > 1 {
             for at in 0..count {
                 match self.find_by(at, wish, Explain::No) {
                     Ok(()) => {
-                        let length = self.memory.course.path.length();
-                        if best.is_none_or(|(least, _)| length < least) {
-                            best = Some((length, at));
+                        if best.is_none() || self.is_better(wish) {
+                            best = Some(at);
                             mem::swap(&mut self.memory.course, &mut self.memory.best);
                         }
                     }
@@ -290,7 +290,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 }
             }
         }
-        if let Some((_, at)) = best {
+        if let Some(at) = best {
             mem::swap(&mut self.memory.course, &mut self.memory.best);
             self.chosen = at;
             return Ok(());
@@ -308,6 +308,17 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             }
         }
         first.map_or(Ok(()), Err)
+    }
+
+    /// Whether the path found last is better than the best so far, to another way out.
+    fn is_better(&self, wish: &Wish<'_>) -> bool {
+        let Memory { course, best, .. } = &*self.memory;
+        if !matches!(wish.gaps, Gaps::Fraction(1.0)) {
+            return course.path.length() < best.path.length();
+        }
+        let bounds = self.terms.body.bounds();
+        let same = CONTACT * bounds.min().amax().max(bounds.max().amax());
+        course.is_safer_than(best, same)
     }
 
     /// The channels made for the answer planned last.

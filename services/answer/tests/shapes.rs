@@ -2,7 +2,9 @@
 
 use answer::{Caps, reply_to};
 use schemas::json::read_scene;
-use schemas::message::{ErrorCode, Refusal, Request, RequestContent, RequestKey, Trajectory};
+use schemas::message::{
+    Direction, ErrorCode, Refusal, Request, RequestContent, RequestKey, Trajectory,
+};
 
 /// The only answer to a scene; `rest` is its fields after the task.
 fn plan(rest: &str) -> Result<Trajectory, Refusal> {
@@ -143,5 +145,29 @@ fn drawer_without_play_slides_out() {
         let found = found.unwrap();
         assert_eq!((found.length, found.legs.len()), (5.0, 1), "{found:?}");
         assert_eq!(found.clearance.value, 0.0);
+    }
+}
+
+/// A wedge under a narrow opening, beside a wide corridor that is longer.
+#[test]
+fn safest_of_several_exits_is_the_widest() {
+    let walls = [
+        r#"{"box": {"min": [-1,-1], "max": [0,3]}}"#,
+        r#"{"box": {"min": [0,-1], "max": [6,-0.5]}}"#,
+        r#"{"box": {"min": [1.7,2], "max": [6,3]}}"#,
+    ];
+    let wedge = r#""body": {"polygon": [[0.5,0.5], [1.5,0.5], [1,1.5]]}"#;
+    let leave = |exits: &str, clearance: &str| {
+        let rest = format!(r#""exit": [{exits}], "clearance": {clearance}"#);
+        plan(&format!("{}, {wedge}, {rest}", solids(&walls.join(",")))).unwrap()
+    };
+    for exits in [r#""+z", "+x""#, r#""+x", "+z""#] {
+        let shortest = leave(exits, r#"{"gap": 0.1}"#);
+        assert_eq!((shortest.exit, shortest.length), (Some(Direction::PlusZ), 2.5));
+        let safest = leave(exits, r#""safest""#);
+        assert_eq!(safest.exit, Some(Direction::PlusX));
+        let clearances = safest.clearance.value - leave(r#""+z""#, r#""safest""#).clearance.value;
+        // Half a metre to the wall at the start; in the opening 0.35 m on both sides.
+        assert!((clearances - 0.15).abs() < 1e-9, "{clearances}");
     }
 }

@@ -240,6 +240,21 @@ impl<const D: usize> Course<D> {
         Some((whole, later.unwrap_or(whole)))
     }
 
+    /// Whether it has more room than another, or the same but for `same` metres, and is shorter.
+    pub(super) fn is_safer_than(&self, other: &Self, same: f64) -> bool {
+        // Without walls there is room without end.
+        let room = |course: &Self| course.room().unwrap_or((f64::INFINITY, f64::INFINITY));
+        let ((whole, later), (other_whole, other_later)) = (room(self), room(other));
+        let differs = |a: f64, b: f64| a != b && (a - b).abs() > same;
+        if differs(whole, other_whole) {
+            whole > other_whole
+        } else if differs(later, other_later) {
+            later > other_later
+        } else {
+            self.path.length() < other.path.length()
+        }
+    }
+
     /// Turns the path round. What was measured on the way out is exact in every number.
     pub(super) fn reverse(&mut self) {
         self.path.reverse();
