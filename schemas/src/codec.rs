@@ -97,6 +97,7 @@ pub fn encode_part_into(part: &ReplyPart, samples: &[Sample], bytes: &mut Vec<u8
         legs,
         samples: _,
         exceeds,
+        stops,
     } = trajectory;
     // Fields are encoded one after the other, whatever they are in.
     let of_part = (key, id, sent_ns, part, last, answer, answers);
@@ -109,7 +110,7 @@ pub fn encode_part_into(part: &ReplyPart, samples: &[Sample], bytes: &mut Vec<u8
     } else {
         samples.iter().for_each(|sample| encode_into(sample, bytes));
     }
-    encode_into(exceeds, bytes);
+    encode_into(&(exceeds, stops), bytes);
 }
 
 /// `message` as bytes.

@@ -118,8 +118,10 @@ pub mod reported {
     pub const INCOMPLETE: u32 = 1 << 3;
     /// `exceeds`, `exceeds_joints` and `exceeds_jump`
     pub const EXCEEDS: u32 = 1 << 4;
+    /// `stops`
+    pub const STOPS: u32 = 1 << 5;
     /// All defined bits.
-    pub const ALL: u32 = (EXCEEDS << 1) - 1;
+    pub const ALL: u32 = (STOPS << 1) - 1;
 }
 
 /// Bits of a refusal's `present` cell: the optional fields that are present.
@@ -291,13 +293,15 @@ pub struct ReplyHeader {
     pub exceeds_joints: u32,
     /// The greatest jump there, rad/s.
     pub exceeds_jump: f64,
+    /// At how many joints the body stops because no smooth corner fits.
+    pub stops: u64,
 }
 
 /// A leg of a path in a reply's payload.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Leg {
-    /// 0 line, 1 arc, 2 turn.
+    /// 0 line, 1 arc, 2 turn, 3 clothoid.
     pub kind: u16,
     /// 0 for none, otherwise 1 + its code.
     pub rung: u8,
@@ -313,17 +317,18 @@ pub struct Leg {
     pub length: f64,
     /// Least distance to the walls, metres.
     pub clearance: f64,
-    /// Line: from. Arc: centre. Turn: position. Metres.
+    /// Line, clothoid: from. Arc: centre. Turn: position. Metres.
     pub point: [f64; 3],
-    /// Line: to. Metres.
+    /// Line, clothoid: to. Metres.
     pub to: [f64; 3],
-    /// Arc: radius, metres.
+    /// Arc: radius, metres. Clothoid: curvature at its start, rad/m.
     pub radius: f64,
-    /// Arc: start angle. Turn: heading before. Radians.
+    /// Arc: start angle. Turn, clothoid: heading before. Radians.
     pub start: f64,
-    /// Line: heading at its end. Turn: heading after. Radians.
+    /// Line: heading at its end. Turn, clothoid: heading after. Radians.
     pub heading: f64,
-    /// Arc, turn: signed angle run through. Line: signed angle turned on the way. Radians.
+    /// Arc, turn: signed angle run through. Line: signed angle turned on the way. Radians. Clothoid:
+    /// curvature at its end, rad/m.
     pub sweep: f64,
 }
 

@@ -298,7 +298,9 @@ fn gaps_beyond_their_limits_are_refused_with_the_limits() {
 fn way_points(trajectory: &Trajectory) -> Vec<(Vector, Vector)> {
     let ends = |leg: &Leg| match leg.curve {
         Curve::Line { from, to, .. } => (from, to),
-        Curve::Arc { .. } | Curve::Turn { .. } => panic!("a body of an assembly task translates"),
+        Curve::Arc { .. } | Curve::Clothoid { .. } | Curve::Turn { .. } => {
+            panic!("a body of an assembly task translates")
+        }
     };
     trajectory.legs.iter().map(ends).collect()
 }

@@ -20,12 +20,15 @@ macro_rules! recordings {
 }
 
 recordings! {
+    corners_are_planned_as_recorded: "corners.mcap",
     disassembly_is_planned_as_recorded: "disassembly.mcap",
     driving_is_planned_as_recorded: "driving.mcap",
     free_space_is_planned_as_recorded: "free-space.mcap",
     no_route_is_planned_as_recorded: "no-route.mcap",
     refusals_are_planned_as_recorded: "refusals.mcap",
     routes_are_planned_as_recorded: "routes.mcap",
+    shortest_ways_are_planned_as_recorded: "shortest.mcap",
+    unions_are_planned_as_recorded: "unions.mcap",
 }
 
 #[test]

@@ -33,8 +33,15 @@ const SCENES: [&str; 7] = [
 ];
 
 /// The files whose lines are scenes.
-const LINES: [&str; 5] =
-    ["drives.jsonl", "no-route.jsonl", "refusals.jsonl", "routes.jsonl", "unions.jsonl"];
+const LINES: [&str; 7] = [
+    "corners.jsonl",
+    "drives.jsonl",
+    "no-route.jsonl",
+    "refusals.jsonl",
+    "routes.jsonl",
+    "shortest.jsonl",
+    "unions.jsonl",
+];
 
 /// Robots anywhere, with all that a request can say of them, and a free space by name.
 const ROBOTS: [(&str, &str); 2] = [

@@ -205,6 +205,7 @@ impl Trajectory {
             legs: legs.into_iter().map(Leg::upgrade).collect(),
             samples,
             exceeds: None,
+            stops: None,
         }
     }
 }

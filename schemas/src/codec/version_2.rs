@@ -219,6 +219,7 @@ impl Trajectory {
             legs,
             samples,
             exceeds: None,
+            stops: None,
         }
     }
 }

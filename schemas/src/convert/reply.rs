@@ -275,6 +275,7 @@ fn read_trajectory<'a>(
             }),
             false => None,
         },
+        stops: has(reported::STOPS).then_some(header.stops),
     };
     Ok((trajectory, bytemuck::cast_slice(samples)))
 }
@@ -301,7 +302,7 @@ impl wire::ReplyHeader {
     /// Sets the fields of the next trajectory's certificate.
     pub fn set_certificate(&mut self, certificate: Certificate) {
         let Certificate { bound, free_clearance, complete } = certificate;
-        self.given &= reported::ID | reported::EXCEEDS;
+        self.given &= reported::ID | reported::EXCEEDS | reported::STOPS;
         self.given |= bound.map_or(0, |_| reported::BOUND);
         self.given |= free_clearance.map_or(0, |_| reported::FREE_CLEARANCE);
         self.given |= if complete { 0 } else { reported::INCOMPLETE };
@@ -317,6 +318,15 @@ impl wire::ReplyHeader {
             self.exceeds = codes::code(ExceededLimit::ALL, limit);
             self.exceeds_joints = u32::try_from(joints).unwrap_or(u32::MAX);
             self.exceeds_jump = jump;
+        }
+    }
+
+    /// Sets at how many joints the next trajectory stops because no smooth corner fits.
+    pub fn set_stops(&mut self, stops: Option<u64>) {
+        self.given &= !reported::STOPS;
+        if let Some(stops) = stops {
+            self.given |= reported::STOPS;
+            self.stops = stops;
         }
     }
 
@@ -353,9 +363,17 @@ fn read_leg(leg: &wire::Leg, point: impl Fn(&[f64]) -> Vector) -> Result<Leg, Ma
             to_heading: leg.heading,
             sweep: leg.sweep,
         },
+        3 => Curve::Clothoid {
+            from: point(&leg.point),
+            to: point(&leg.to),
+            from_heading: leg.start,
+            to_heading: leg.heading,
+            curvatures: [leg.radius, leg.sweep],
+            length: leg.length,
+        },
         code => {
             let code = code.into();
-            return Err(Malformed::UnknownCode { what: "leg", code, greatest: 2 });
+            return Err(Malformed::UnknownCode { what: "leg", code, greatest: 3 });
         }
     };
     let rung = match leg.rung {

@@ -20,10 +20,10 @@ use crate::message::{Curve, CurveKind, Leg, Rule, Rung};
 pub(super) struct LegJson {
     /// The curve that the body's reference point follows.
     kind: Word<CurveKind>,
-    /// Where the line begins, metres.
+    /// Where the line or the clothoid begins, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     from: Option<Point>,
-    /// Where the line ends, metres.
+    /// Where the line or the clothoid ends, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     to: Option<Point>,
     /// The heading at the end of the line, radians.
@@ -47,18 +47,25 @@ pub(super) struct LegJson {
     /// Where the body turns, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     position: Option<Point>,
-    /// The heading before the turn, radians.
+    /// The heading before the turn, or where the clothoid begins, radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     from_heading: Option<f64>,
-    /// The heading after the turn, radians.
+    /// The heading after the turn, or where the clothoid ends, radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     to_heading: Option<f64>,
+    /// Radians turned per metre travelled where the clothoid begins, positive to the left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start_curvature: Option<f64>,
+    /// The same where it ends; between them it changes evenly with the arc length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    end_curvature: Option<f64>,
     /// Whether the robot drives the leg backwards; present only where it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     reverse: Option<bool>,
     /// Arc length, metres.
     length: f64,
-    /// Exact least distance between the body and the walls on this leg, metres.
+    /// Least distance between the body and the walls on this leg, metres: exact, but on a clothoid
+    /// certified from below.
     clearance: Distance,
     /// The rule of the paper that chose this leg.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -75,12 +82,15 @@ pub(super) struct LegJson {
 const LINE: &[&str] = &["from", "to", "heading", "turned", "reverse"];
 const ARC: &[&str] = &["center", "radius", "start_angle", "sweep", "reverse"];
 const TURN: &[&str] = &["position", "from_heading", "to_heading"];
+const CLOTHOID: &[&str] =
+    &["from", "to", "from_heading", "to_heading", "start_curvature", "end_curvature", "reverse"];
 
 const fn fields_of(kind: CurveKind) -> &'static [&'static str] {
     match kind {
         CurveKind::Line => LINE,
         CurveKind::Arc => ARC,
         CurveKind::Turn => TURN,
+        CurveKind::Clothoid => CLOTHOID,
     }
 }
 
@@ -104,6 +114,8 @@ impl From<&Leg> for LegJson {
             position: None,
             from_heading: None,
             to_heading: None,
+            start_curvature: None,
+            end_curvature: None,
             reverse: None,
             length,
             clearance: Distance(clearance),
@@ -134,6 +146,16 @@ impl From<&Leg> for LegJson {
                 to_heading: Some(to_heading),
                 ..leg
             },
+            Curve::Clothoid { from, to, from_heading, to_heading, curvatures, length: _ } => Self {
+                from: Some(Numbers(from)),
+                to: Some(Numbers(to)),
+                from_heading: Some(from_heading),
+                to_heading: Some(to_heading),
+                start_curvature: Some(curvatures[0]),
+                end_curvature: Some(curvatures[1]),
+                reverse,
+                ..leg
+            },
         }
     }
 }
@@ -155,6 +177,8 @@ impl Element for Leg {
             position,
             from_heading,
             to_heading,
+            start_curvature,
+            end_curvature,
             reverse,
             length,
             clearance,
@@ -174,6 +198,8 @@ impl Element for Leg {
             ("position", position.is_some()),
             ("from_heading", from_heading.is_some()),
             ("to_heading", to_heading.is_some()),
+            ("start_curvature", start_curvature.is_some()),
+            ("end_curvature", end_curvature.is_some()),
             ("reverse", reverse.is_some()),
         ];
         let fields = fields_of(kind);
@@ -208,6 +234,17 @@ impl Element for Leg {
                     sweep: shorter_turn(from_heading, to_heading),
                 }
             }
+            CurveKind::Clothoid => Curve::Clothoid {
+                from: point(from, "from")?,
+                to: point(to, "to")?,
+                from_heading: need(from_heading, "from_heading")?,
+                to_heading: need(to_heading, "to_heading")?,
+                curvatures: [
+                    need(start_curvature, "start_curvature")?,
+                    need(end_curvature, "end_curvature")?,
+                ],
+                length,
+            },
         };
         let rule = rule.map(|RuleJson(rule)| rule);
         let rung = rung.map(|Word(rung)| rung);

@@ -54,6 +54,10 @@ pub(super) struct TrajectoryJson<'a> {
     /// `"full"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     exceeds: Option<ExceedsJson>,
+    /// Where `corners` is `"smooth"`: at how many joints of legs the body stops because no smooth
+    /// corner fits, other than at turns in place and changes of gear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stops: Option<u64>,
     /// States of the motion; their times strictly increase.
     samples: SamplesJson<'a>,
 }
@@ -101,6 +105,7 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
             legs,
             samples,
             exceeds,
+            stops,
         } = trajectory;
         Self {
             gap: GapsJson { gaps: gaps.into(), each: *gaps_per_junction as usize },
@@ -115,6 +120,7 @@ impl<'a> From<&'a Trajectory> for TrajectoryJson<'a> {
             free_clearance: free_clearance.map(Distance),
             legs: legs.as_slice().into(),
             exceeds: exceeds.map(ExceedsJson::from),
+            stops: *stops,
             samples: SamplesJson {
                 samples: samples.into(),
                 dimension: (*dimension as usize).min(Vector::MOST),
@@ -138,6 +144,7 @@ impl TrajectoryJson<'_> {
             free_clearance,
             legs,
             exceeds,
+            stops,
             samples,
         } = self;
         let clearance = Clearance::from(clearance);
@@ -165,6 +172,7 @@ impl TrajectoryJson<'_> {
             legs: legs.into(),
             samples: samples.into_owned(),
             exceeds: exceeds.map(Exceeds::from),
+            stops,
         })
     }
 }

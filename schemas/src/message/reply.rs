@@ -79,6 +79,10 @@ pub struct Trajectory {
     /// The limit that the motion does not obey, if the request asks how corners are passed or for
     /// a full report.
     pub exceeds: Option<Exceeds>,
+    /// If the request asks for smooth corners: at how many joints of legs the body stops because no
+    /// smooth corner fits. Turns in place and changes between driving forwards and backwards don't
+    /// count.
+    pub stops: Option<u64>,
 }
 
 /// A limit that a motion does not obey.
@@ -120,6 +124,7 @@ impl Default for Trajectory {
             legs: Vec::new(),
             samples: Vec::new(),
             exceeds: None,
+            stops: None,
         }
     }
 }
@@ -142,13 +147,13 @@ pub struct Leg {
     pub curve: Curve,
     /// Arc length, metres.
     pub length: f64,
-    /// Exact least distance to the walls on it, metres.
+    /// Least distance to the walls on it, metres: exact, but on a clothoid certified from below.
     pub clearance: f64,
     /// The junction it leads to or turns in, counted from 0 in travel order.
     pub junction: Option<u64>,
     /// The paper's rule that chose it.
     pub rule: Option<Rule>,
-    /// Whether the robot drives it backwards: a line or an arc.
+    /// Whether the robot drives it backwards: a line, an arc or a clothoid.
     pub reverse: bool,
     /// How it was found.
     pub rung: Option<Rung>,
@@ -198,6 +203,23 @@ pub enum Curve {
         /// Signed angle turned, positive to the left.
         sweep: f64,
     },
+    /// A curve whose curvature changes evenly with its arc length, the heading tangent to it, or
+    /// opposite to that in reverse.
+    Clothoid {
+        /// Where it begins.
+        from: Vector,
+        /// Where it ends.
+        to: Vector,
+        /// Heading where it begins.
+        from_heading: f64,
+        /// Heading where it ends.
+        to_heading: f64,
+        /// Radians turned per metre travelled, where it begins and where it ends; positive to the
+        /// left.
+        curvatures: [f64; 2],
+        /// Arc length; that of the leg.
+        length: f64,
+    },
 }
 
 named! {
@@ -210,6 +232,9 @@ pub enum CurveKind {
     Arc = "arc",
     /// A turn in place.
     Turn = "turn",
+    /// A curve whose curvature changes evenly with its arc length, the heading tangent to it, or
+    /// opposite to that in reverse.
+    Clothoid = "clothoid",
 }
 }
 
@@ -220,6 +245,7 @@ impl Curve {
             Self::Line { .. } => CurveKind::Line,
             Self::Arc { .. } => CurveKind::Arc,
             Self::Turn { .. } => CurveKind::Turn,
+            Self::Clothoid { .. } => CurveKind::Clothoid,
         }
     }
 }

@@ -343,6 +343,8 @@ pub enum Corners {
     Sharp = "sharp",
     /// Along arcs.
     Arc = "arc",
+    /// Along curves of continuous curvature.
+    Smooth = "smooth",
 }
 }
 

@@ -239,6 +239,7 @@ fn read_trajectory(from: &mut Bytes) -> Trajectory {
             joints: from.u64(),
             jump: from.f64(),
         }),
+        stops: from.option(Bytes::u64),
     }
 }
 
@@ -262,6 +263,14 @@ fn read_leg(from: &mut Bytes) -> Leg {
                 from_heading: from.f64(),
                 to_heading: from.f64(),
                 sweep: from.f64(),
+            },
+            3 => Curve::Clothoid {
+                from: from.vector(),
+                to: from.vector(),
+                from_heading: from.f64(),
+                to_heading: from.f64(),
+                curvatures: [from.f64(), from.f64()],
+                length: from.f64(),
             },
             other => panic!("{other}"),
         },

@@ -178,6 +178,7 @@ pub(crate) fn assembly() -> Trajectory {
             line([0.0, 1.5], [-2.0, 1.5], 2.0, None),
         ],
         exceeds: None,
+        stops: None,
         samples: vec![sample(0.0, 0.0, 0.0), sample(6.25, -2.0, 1.5)],
     }
 }
@@ -212,6 +213,7 @@ pub(crate) fn assembly_3d() -> Trajectory {
             rung: None,
         }],
         exceeds: None,
+        stops: None,
         samples: vec![Sample {
             t: 4.0,
             position: [1.0, 2.0, 2.0],
@@ -259,6 +261,7 @@ pub(crate) fn driving() -> Trajectory {
             leg(arc, 2.25, 0.2, Some(0)),
         ],
         exceeds: None,
+        stops: None,
         samples: vec![Sample {
             t: 0.5,
             position: [1.5, 2.0, 0.0],
@@ -369,6 +372,7 @@ pub(crate) fn write(part: &ReplyPart, sink: &mut Parts) {
                 complete: trajectory.complete,
             });
             header.set_exceeds(trajectory.exceeds);
+            header.set_stops(trajectory.stops);
             let writer = TrajectoryWriter {
                 gaps: trajectory.gaps.iter().copied(),
                 route: trajectory.route.iter().copied(),
@@ -410,6 +414,18 @@ fn leg(leg: &Leg) -> wire::Leg {
             sweep,
             ..cells
         },
+        Curve::Clothoid { from, to, from_heading, to_heading, curvatures, length: _ } => {
+            wire::Leg {
+                kind: 3,
+                point: from.padded(),
+                to: to.padded(),
+                start: from_heading,
+                heading: to_heading,
+                radius: curvatures[0],
+                sweep: curvatures[1],
+                ..cells
+            }
+        }
         Curve::Turn { position, from_heading, to_heading, sweep } => wire::Leg {
             kind: 2,
             point: position.padded(),

@@ -53,7 +53,7 @@ fn without_sweep(reply: &Reply) -> Reply {
         match &mut leg.curve {
             Curve::Turn { sweep, .. } => *sweep = 0.0,
             Curve::Line { turned, .. } => *turned += 0.0,
-            Curve::Arc { .. } => {}
+            Curve::Arc { .. } | Curve::Clothoid { .. } => {}
         }
     }
     reply
@@ -207,7 +207,7 @@ fn faults_of_replies_are_named() {
         r#""kind":"arc""#,
         r#""kind":"spiral""#,
         "trajectories[0].legs[2].kind",
-        "must be one of \"line\", \"arc\", \"turn\", not the text \"spiral\"",
+        "must be one of \"line\", \"arc\", \"turn\", \"clothoid\", not the text \"spiral\"",
     );
     check_replaced(
         "table 2, rule 4",
@@ -252,6 +252,7 @@ fn faults_of_replies_are_named() {
         r#""length":1,"error":{"#,
         "trajectories[1].error",
         "is not a known field; expected one of `gap`, `route`, `channels`, `exit`, `length`, \
-         `bound`, `complete`, `duration`, `clearance`, `free_clearance`, `legs`, `exceeds`, `samples`",
+         `bound`, `complete`, `duration`, `clearance`, `free_clearance`, `legs`, `exceeds`, \
+         `stops`, `samples`",
     );
 }

@@ -275,18 +275,26 @@ fn leg(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Leg> {
                 sweep
             }
         ),
+        (point(), point(), [number(), number(), number(), number()]).prop_map(
+            |(from, to, [from_heading, to_heading, first, last])| Curve::Clothoid {
+                from,
+                to,
+                from_heading,
+                to_heading,
+                curvatures: [first, last],
+                length: 0.0,
+            }
+        ),
     ];
     let rule = (1..=u16::MAX, any::<u16>()).prop_map(|(table, number)| Rule { table, number });
     let found = (any::<bool>(), of(one_of(&RUNGS)));
     (curve, number(), number(), of(0..u64::MAX), of(rule), found)
-        .prop_map(|(curve, length, clearance, junction, rule, (backwards, rung))| Leg {
-            curve,
-            length,
-            clearance,
-            junction,
-            rule,
-            reverse: backwards && !matches!(curve, Curve::Turn { .. }),
-            rung,
+        .prop_map(|(mut curve, length, clearance, junction, rule, (backwards, rung))| {
+            let reverse = backwards && !matches!(curve, Curve::Turn { .. });
+            if let Curve::Clothoid { length: of_curve, .. } = &mut curve {
+                *of_curve = length;
+            }
+            Leg { curve, length, clearance, junction, rule, reverse, rung }
         })
         .boxed()
 }
@@ -314,7 +322,7 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
         of(one_of(&DIRECTIONS)),
         [number(), number(), number(), number()],
         vector(numbers, dimension),
-        (of(number()), any::<bool>(), of(number()), of((any::<u32>(), number()))),
+        (of(number()), any::<bool>(), of(number()), of((any::<u32>(), number())), of(any::<u64>())),
     );
     let lists = (
         vec(number(), 0..5),
@@ -331,7 +339,7 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
                     exit,
                     [length, duration, value, at],
                     wall,
-                    (bound, complete, free_clearance, exceeds),
+                    (bound, complete, free_clearance, exceeds, stops),
                 ),
                 (gaps, route, channels, legs, samples),
             )| Trajectory {
@@ -354,6 +362,7 @@ fn trajectory_of(numbers: &Numbers, dimension: usize) -> BoxedStrategy<Trajector
                     joints: joints.into(),
                     jump,
                 }),
+                stops,
             },
         )
         .boxed()

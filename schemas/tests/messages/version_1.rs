@@ -121,7 +121,7 @@ proptest! {
         examples::write(&examples::of_answer(Ok(trajectory.clone())), &mut sink);
         let (header, cells) = downgraded(&sink.0[0]);
         let mut expected = Trajectory {
-            bound: None, complete: true, free_clearance: None, exceeds: None, ..trajectory
+            bound: None, complete: true, free_clearance: None, exceeds: None, stops: None, ..trajectory
         };
         for leg in &mut expected.legs {
             (leg.reverse, leg.rung) = (false, None);

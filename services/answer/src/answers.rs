@@ -4,7 +4,7 @@ use planning::budget::{Budget, Spent};
 use planning::motion::Leg;
 use planning::trajectory::{Limits, Profile, Sampling, Stops, YawJumps};
 use schemas::convert::PartSink;
-use schemas::message::{ExceededLimit, Exceeds, Refusal};
+use schemas::message::{Corners, ExceededLimit, Exceeds, Refusal};
 use schemas::wire::{LEG_CELLS, SAMPLE_CELLS};
 
 use crate::Caps;
@@ -96,6 +96,8 @@ pub(crate) struct Pace {
     sampling: Option<Sampling>,
     /// Whether the reply says which limit is not obeyed.
     tells_exceeding: bool,
+    /// Whether the reply says where the body stops for want of a smooth corner.
+    tells_stops: bool,
 }
 
 impl Pace {
@@ -111,12 +113,28 @@ impl Pace {
         Some(Exceeds { limit, joints: joints as u64, jump: greatest })
     }
 
+    /// At how many joints the body stops for want of a smooth corner, where the request asks for
+    /// such corners.
+    pub(crate) fn stops_on_the_way<const D: usize>(
+        &self,
+        legs: &[Leg<D>],
+        profile: &Profile,
+    ) -> Option<u64> {
+        self.tells_stops.then(|| profile.stops_on_the_way(legs, self.stops) as u64)
+    }
+
+    /// How fast the body may move.
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
     pub(crate) fn of(scene: Scene<'_>, wishes: &Wishes<'_>, stops: Stops) -> Result<Self, Refusal> {
         let limits = check::limits(&scene.limits)?;
         let exceeding = scene.corners.is_some() || scene.report.is_some();
         let sampling = check::sampling(scene.sampling)?;
         let sampling = wishes.sampled().then_some(sampling);
-        Ok(Self { limits, stops, sampling, tells_exceeding: exceeding })
+        let tells_stops = scene.corners == Some(Corners::Smooth);
+        Ok(Self { limits, stops, sampling, tells_exceeding: exceeding, tells_stops })
     }
 
     /// Plans the speed along a path. Refuses a trajectory that would have too many samples, and

@@ -9,7 +9,7 @@ use planning::free_space::End;
 use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::route::{BodyMover, Mover, RouteError, Router};
-use planning::trajectory::{Profile, Stops};
+use planning::trajectory::{CornerShape, Profile, Stops};
 use planning::translation::{self, NoWay};
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
 use schemas::message::{self, Corners, PathChoice, Refusal, Task};
@@ -64,7 +64,6 @@ struct Terms<'a, const D: usize> {
     /// What finds a way without channels, if anything does.
     slide: Option<Slide<D>>,
     ends: &'a Ends<D>,
-    stops: Stops,
     pace: Pace,
 }
 
@@ -170,15 +169,24 @@ impl<'a, const D: usize> Terms<'a, D> {
         wishes: &Wishes<'_>,
     ) -> Result<Self, Refusal> {
         let stops = match scene.corners {
-            Some(Corners::Arc) if D == 2 => Stops::AtKinks,
-            Some(Corners::Arc) => {
-                let message = "corners: arcs are for two dimensions; in three, parts stop at every \
-                               way-point";
+            Some(Corners::Arc | Corners::Smooth) if D == 2 => Stops::AtKinks,
+            Some(Corners::Arc | Corners::Smooth) => {
+                let message = "corners: arcs and smooth corners are for two dimensions; in three, \
+                               parts stop at every way-point";
                 return Err(Refusal::invalid("corners", message));
             }
-            _ => Stops::EveryLeg,
+            Some(Corners::Sharp) | None => Stops::EveryLeg,
         };
-        Ok(Self { scene, axes, body, slide, ends, stops, pace: Pace::of(scene, wishes, stops)? })
+        Ok(Self { scene, axes, body, slide, ends, pace: Pace::of(scene, wishes, stops)? })
+    }
+
+    /// What corners are rounded with, if they are.
+    fn corner_shape(&self) -> Option<CornerShape> {
+        match self.scene.corners {
+            Some(Corners::Arc) => Some(CornerShape::Arc),
+            Some(Corners::Smooth) => Some(CornerShape::Clothoids),
+            Some(Corners::Sharp) | None => None,
+        }
     }
 
     /// The free space for a way out, for a body of these bounds. Whatever is refused, no gap would
@@ -449,8 +457,8 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         {
             return Err(refuse::wall_in_the_way(&near).into());
         }
-        if terms.stops == Stops::AtKinks {
-            course.round(body, walls, budget)?;
+        if let Some(shape) = terms.corner_shape() {
+            course.round((body, shape), walls, budget)?;
         }
         Ok(())
     }
@@ -540,8 +548,8 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
             }
             _ => Ok(()),
         };
-        if checked.is_ok() && terms.stops == Stops::AtKinks {
-            course.round(body, walls, budget)?;
+        if let (Ok(()), Some(shape)) = (&checked, terms.corner_shape()) {
+            course.round((body, shape), walls, budget)?;
         }
         checked
     }
@@ -587,6 +595,7 @@ impl<const D: usize> Job for AssemblyJob<'_, '_, D> {
             header.duration = profile.duration();
             parts::clearance(header, clearance.as_ref());
             header.set_certificate(Certificate { bound, free_clearance: None, complete: true });
+            header.set_stops(self.terms.pace.stops_on_the_way(legs, profile));
         };
         parts.trajectory(fill, lists, last)
     }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use planning::clearance::clothoid::PlacedClothoid;
 use planning::geometry::Vector;
 use planning::motion::{Curve, Leg, wrapped};
 use planning::trajectory::{Profile, State};
@@ -197,6 +198,10 @@ impl<'a, const D: usize> Teller<'a, D> {
                 let (x, y) = (state.position[0] - center[0], state.position[1] - center[1]);
                 let angle = wrapped(libm::atan2(y, x) - start_angle);
                 radius * (angle * sweep.signum()).max(0.0)
+            }
+            Curve::Clothoid { .. } => {
+                let at = Vector::from([state.position[0], state.position[1]]);
+                PlacedClothoid::of(&leg.curve).map_or(0.0, |clothoid| clothoid.along(&at))
             }
             Curve::Turn { .. } => 0.0,
         });

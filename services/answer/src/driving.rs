@@ -9,9 +9,9 @@ use planning::driving::{DrivingError, limits};
 use planning::free_space::floor::Floor;
 use planning::free_space::walls::{Complement, Walls};
 use planning::route::{self, Judgement, RouteError, Router};
-use planning::trajectory::{Profile, Stops};
+use planning::trajectory::{Profile, Stops, smooth_drive};
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
-use schemas::message::{self, ClearanceWish, ErrorCode, Refusal, SceneRequest};
+use schemas::message::{self, ClearanceWish, Corners, ErrorCode, Refusal, SceneRequest};
 use schemas::wire::ReplyHeader;
 
 use crate::answers::{Job, Pace, Resources, Stop, answer_each};
@@ -26,6 +26,7 @@ use crate::wish::{Wish, Wishes};
 mod anywhere;
 mod course;
 mod errand;
+mod smooth;
 
 use anywhere::AnywhereJob;
 use course::{Course, KeptGap};
@@ -53,6 +54,8 @@ struct Memory {
 struct DrivingJob<'a> {
     errand: Errand,
     pace: Pace,
+    /// Whether corners are to be smooth.
+    is_smooth: bool,
     space: FreeSpace<'a, 2>,
     walls: Arc<Entry<Walls<2>>>,
     /// For which gap the course was found; `None`: for none yet.
@@ -83,8 +86,10 @@ impl Driving {
         let Self { buffers, memory, anywhere } = self;
         let any_order = is_any_order(scene);
         let errand = Errand::of(scene, any_order)?;
+        let is_smooth = scene.corners == Some(Corners::Smooth);
         let stops = match scene.stop_at_joints {
             Some(true) => Stops::AtJoints,
+            _ if is_smooth => Stops::AtJoints,
             _ => Stops::AtTurns,
         };
         let pace = Pace::of(scene, wishes, stops)?;
@@ -104,6 +109,7 @@ impl Driving {
         let mut job = DrivingJob {
             errand,
             pace,
+            is_smooth,
             space,
             walls,
             found_for,
@@ -181,6 +187,9 @@ impl Job for DrivingJob<'_> {
             self.find(wish, kept, gap)?;
             self.found_for = Some(gap);
         }
+        if self.is_smooth {
+            self.smooth()?;
+        }
         self.certificate = None;
         if self.errand.full_report {
             self.certificate = Some(self.certify()?);
@@ -214,6 +223,7 @@ impl Job for DrivingJob<'_> {
                 header.set_certificate(certificate);
             }
             header.set_exceeds(self.pace.exceeded(path.legs(), profile));
+            header.set_stops(self.pace.stops_on_the_way(path.legs(), profile));
         };
         parts.trajectory(fill, lists, last)
     }
@@ -234,7 +244,7 @@ fn floor_once<'a>(
 impl DrivingJob<'_> {
     /// Drives in the same channels without the rules; if that does not do either, `refused` stands.
     fn drive_at_large(&mut self, gap: f64, refused: Refused) -> Result<(), Refused> {
-        let Self { errand, walls, certifier, memory, pace, resources, .. } = self;
+        let Self { errand, walls, certifier, memory, pace, is_smooth, resources, .. } = self;
         let (budget, mut found) = (resources.budget, RobotMotion::default());
         let (floor, planner) = floor_once(certifier, walls, budget)?;
         let task = errand.among(walls, floor);
@@ -243,9 +253,23 @@ impl DrivingJob<'_> {
             Err(NoMotion::Spent(Spent::Stopped)) => return Err(Spent::Stopped.into()),
             Err(_) => return Err(refused),
         }
+        if *is_smooth {
+            let task = (&*errand, pace.limits());
+            smooth::smooth(task, (walls, floor), planner, &mut found, budget)?;
+        }
         let Memory { course, profile, .. } = &mut **memory;
         pace.plan(&found.legs, profile, 1 + course.route.len(), resources)?;
         self.at_large = Some(found);
+        Ok(())
+    }
+
+    /// Puts smooth turns in place of the arcs of the answer at hand.
+    fn smooth(&mut self) -> Result<(), Refused> {
+        let Self { errand, walls, memory, pace, resources, .. } = self;
+        let path = &mut memory.course.path;
+        let task = smooth::smooth_driving(errand, walls, pace.limits());
+        let smoothed = smooth_drive(&task, path.legs(), resources.budget)?;
+        path.set_legs(smoothed.legs, smoothed.leg_clearances, smoothed.clearance);
         Ok(())
     }
 

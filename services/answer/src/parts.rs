@@ -1,6 +1,7 @@
 //! Replies, part by part, into shared memory or into a list.
 
 use std::convert::Infallible;
+use std::f64::consts::PI;
 
 use planning::clearance::Clearance;
 use planning::geometry::{self, Vector};
@@ -85,6 +86,16 @@ pub(crate) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
             cells.kind = 1;
             cells.point = padded(center);
             (cells.radius, cells.start, cells.sweep) = (*radius, *start_angle, *sweep);
+        }
+        Curve::Clothoid { from, to, from_heading, curvatures, reverse, .. } => {
+            cells.kind = 3;
+            (cells.point, cells.to) = (padded(from), padded(to));
+            // A translated part heads nowhere; what is told is its direction of travel.
+            let is_turned = *reverse && cells.reverse == 0;
+            let turned = if is_turned { PI } else { 0.0 };
+            cells.start = wrapped(from_heading + turned);
+            cells.heading = wrapped(leg.curve.end_heading() + turned);
+            [cells.radius, cells.sweep] = *curvatures;
         }
         Curve::Turn { position, from_heading, sweep } => {
             cells.kind = 2;

@@ -111,6 +111,123 @@ fn robot_that_stops_at_joints_exceeds_nothing() {
     }
 }
 
+/// By differences of samples; the arc would exceed the limit on yaw acceleration.
+#[test]
+fn robot_with_smooth_corners_does_not_stop_and_obeys_its_limits() {
+    let limits = r#", "limits": {"yaw_acceleration": 0.9}, "report": "full""#;
+    let arcs = answer(&robot(limits)).unwrap();
+    let stopping = answer(&robot(&format!(r#"{limits}, "stop_at_joints": true"#))).unwrap();
+    let smooth = answer(&robot(&format!(r#"{limits}, "corners": "smooth""#))).unwrap();
+    assert_eq!((smooth.exceeds, smooth.stops, arcs.stops), (None, Some(0), None));
+    assert!(smooth.duration < stopping.duration, "{} {}", smooth.duration, stopping.duration);
+    let is_clothoid = |leg: &&schemas::message::Leg| matches!(leg.curve, Curve::Clothoid { .. });
+    assert_eq!(smooth.legs.iter().filter(is_clothoid).count(), 2, "{:?}", smooth.legs);
+    for pair in smooth.samples.windows(2) {
+        let change = (pair[1].yaw_rate - pair[0].yaw_rate).abs();
+        assert!(change <= 0.9 * (pair[1].t - pair[0].t) + 1e-9, "{pair:?}");
+    }
+    // No closer to walls, and where it went before.
+    assert!(smooth.clearance.value >= arcs.clearance.value - 1e-8);
+    assert!(smooth.free_clearance.unwrap() >= arcs.free_clearance.unwrap() - 1e-8);
+    assert!(smooth.bound.unwrap() <= smooth.length);
+    let [end, expected] = [&smooth, &arcs].map(|answer| *answer.samples.last().unwrap());
+    assert_eq!(end.position, expected.position);
+    assert!((end.heading - expected.heading).abs() < 1e-12);
+}
+
+/// Among solids, in any order, the same motion is smooth as well.
+#[test]
+fn robot_among_solids_has_smooth_corners() {
+    let text = r#"{"task": "drive", "free_space": {"solids": [
+            {"box": {"min": [0, 3], "max": [7, 12]}}], "bounds": {"min": [0, 0], "max": [10, 12]}},
+        "body": {"footprint": {"width": 1.0, "length": 1.5}},
+        "start": {"position": [2, 1.5], "heading": 0}, "goal": {"position": [8.5, 9]},
+        "clearance": {"at_least": 0.2}, "corners": "smooth"}"#;
+    let smooth = answer(text).unwrap();
+    assert_eq!((smooth.stops, smooth.exceeds), (Some(0), None));
+    assert!(smooth.free_clearance.unwrap() >= 0.2 - 1e-8);
+    assert!(smooth.legs.iter().any(|leg| matches!(leg.curve, Curve::Clothoid { .. })));
+}
+
+/// The arc's room is all that there is: a turn that begins outside of it, and is as sharp at most, does
+/// not fit.
+#[test]
+fn robot_without_room_for_smooth_corners_says_where_it_stops() {
+    let text = r#"{"task": "drive", "free_space": {"solids": [
+            {"box": {"min": [0, 3], "max": [7, 12]}}], "bounds": {"min": [0, 0], "max": [10, 12]}},
+        "body": {"footprint": {"width": 1.0, "length": 1.5}}, "min_turn_radius": 1.0,
+        "start": {"position": [6.0, 2.0], "heading": 0}, "goal": {"position": [8.0, 4.0]},
+        "clearance": {"gap": 0.5}, "corners": "smooth"}"#;
+    let found = answer(text).unwrap();
+    assert!(found.stops.unwrap() > 0, "{found:?}");
+    assert!(found.legs.iter().any(|leg| matches!(leg.curve, Curve::Arc { .. })));
+    // Through the first joint at rest: the yaw rate does not step.
+    for pair in found.samples.windows(2) {
+        let change = (pair[1].yaw_rate - pair[0].yaw_rate).abs();
+        assert!(change <= pair[1].t - pair[0].t + 1e-9, "{pair:?}");
+    }
+}
+
+#[test]
+fn part_with_smooth_corners_does_not_stop_and_keeps_its_clearance() {
+    let sharp = answer(&part("")).unwrap();
+    for limits in ["", r#", "limits": {"jerk": 1.5}"#] {
+        let smooth = answer(&part(&format!(r#"{limits}, "corners": "smooth""#))).unwrap();
+        assert_eq!((smooth.stops, smooth.legs.len()), (Some(0), 7), "{smooth:?}");
+        assert!(smooth.clearance.value >= sharp.clearance.value - 1e-8);
+        assert!(smooth.length < sharp.length);
+        let states = &smooth.samples;
+        assert!(states.iter().all(|sample| sample.heading == 0.0 && sample.yaw_rate == 0.0));
+        for pair in states.windows(2) {
+            let change = [0, 1].map(|axis: usize| pair[1].velocity[axis] - pair[0].velocity[axis]);
+            let most = 0.5 * (pair[1].t - pair[0].t);
+            assert!(change[0].hypot(change[1]) <= most * (1.0 + 1e-9) + 1e-12, "{pair:?}");
+        }
+    }
+}
+
+/// Told as travelled, in either direction.
+#[test]
+fn smooth_assembly_is_the_reverse() {
+    let out = answer(&part(r#", "corners": "smooth""#)).unwrap();
+    let text = part(r#", "corners": "smooth""#).replace("disassemble", "assemble");
+    let back = answer(&text).unwrap();
+    assert_eq!(back.legs.len(), out.legs.len());
+    for (leg, other) in back.legs.iter().zip(out.legs.iter().rev()) {
+        let (
+            Curve::Clothoid { from, to, from_heading, curvatures, .. },
+            Curve::Clothoid { from: f, to: t, to_heading: h, curvatures: c, .. },
+        ) = (leg.curve, other.curve)
+        else {
+            continue;
+        };
+        assert_eq!((from, to, curvatures), (t, f, [-c[1], -c[0]]));
+        let apart = (from_heading - h).abs();
+        assert!((apart - std::f64::consts::PI).abs() < 1e-12, "{from_heading} {h}");
+    }
+}
+
+#[test]
+fn smooth_corners_are_told_in_the_base_frame() {
+    let frames = r#", "corners": "smooth", "frames": {
+        "fixed": {"position": [0, 0], "heading": 0},
+        "fixed_at_end": {"position": [4, 0], "heading": 0}, "samples": "base"}"#;
+    let told = answer(&part(frames)).unwrap();
+    let still = answer(&part(r#", "corners": "smooth""#)).unwrap();
+    // The fixed part goes 4 m evenly with the length of the path.
+    let mut travelled = 0.0;
+    for (index, (one, other)) in told.samples.iter().zip(&still.samples).enumerate() {
+        if let Some(before) = index.checked_sub(1).map(|before| still.samples[before]) {
+            let mean = 0.5
+                * (before.velocity[0].hypot(before.velocity[1])
+                    + other.velocity[0].hypot(other.velocity[1]));
+            travelled += mean * (other.t - before.t);
+        }
+        let moved = 4.0 * travelled / still.length;
+        assert!((one.position[0] - other.position[0] - moved).abs() < 1e-3, "{index}");
+    }
+}
+
 #[test]
 fn jerk_is_a_limit_of_either_task() {
     // The legs from rest to rest: three, each slower than without the limit.
@@ -124,12 +241,18 @@ fn jerk_is_a_limit_of_either_task() {
     assert_eq!(refusal.field.as_deref(), Some("limits.jerk"));
 }
 
+/// A box in three dimensions.
+const SPACE: &str = r#"{"task": "disassemble", "corners": "smooth",
+    "free_space": {"channels": [{"min": [0, 0, 0], "max": [2, 2, 4]}], "in_order": true},
+    "body": {"box": {"min": [0.5, 0.5, 0.5], "max": [1, 1, 1]}}, "clearance": "safest"}"#;
+
 #[test]
 fn what_does_not_go_together_is_refused() {
     for (text, field) in [
         (part(r#", "limits": {"yaw_jerk": 1}"#), "limits.yaw_jerk"),
         (part(r#", "stop_at_joints": true"#), "stop_at_joints"),
         (robot(r#", "corners": "sharp""#), "corners"),
+        (SPACE.to_owned(), "corners"),
         (robot(r#", "frames": {"fixed": {"position": [0, 0], "heading": 0}}"#), "frames"),
     ] {
         assert_eq!(answer(&text).unwrap_err().field.as_deref(), Some(field));

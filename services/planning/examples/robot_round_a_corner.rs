@@ -76,6 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Curve::Arc { radius, .. } => {
                 format!("{:.3} m on a circle of radius {radius:.3} m", leg.curve.length())
             }
+            Curve::Clothoid { .. } => format!("{:.3} m on a clothoid", leg.curve.length()),
             Curve::Turn { .. } => "turn in place".to_owned(),
         };
         let heading = leg.curve.end_heading().to_degrees();

@@ -1,10 +1,12 @@
 //! The exact least distance between a moving body and the walls.
 //!
 //! [`translating`]: a box or a polygon along lines, in two and three dimensions.
-//! [`rectangle`]: the robot's rectangle along lines, arcs and turns. Nothing is sampled.
+//! [`rectangle`]: the robot's rectangle along lines, arcs and turns. [`clothoid`]: both along
+//! clothoids, from below. Nothing is sampled.
 
 use crate::geometry::Vector;
 
+pub mod clothoid;
 pub mod rectangle;
 pub mod translating;
 

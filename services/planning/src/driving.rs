@@ -198,6 +198,19 @@ pub struct DrivingPath {
 }
 
 impl DrivingPath {
+    /// Puts other legs in place of its own, with the clearance over each and over the whole motion.
+    /// That in the turns is then no longer known.
+    pub fn set_legs(
+        &mut self,
+        legs: Vec<Leg<2>>,
+        leg_clearances: Vec<f64>,
+        clearance: Option<Clearance<2>>,
+    ) {
+        self.length = legs.iter().map(|leg| leg.curve.length()).sum();
+        (self.legs, self.leg_clearances) = (legs, leg_clearances);
+        (self.clearance, self.turning) = (clearance, None);
+    }
+
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
         self.legs.capacity() * size_of::<Leg<2>>()

@@ -166,6 +166,7 @@ impl Direction {
 }
 
 pub mod box_tree;
+pub mod clothoid;
 pub mod distance;
 mod half_space;
 pub mod number;

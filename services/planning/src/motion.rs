@@ -1,7 +1,8 @@
-//! What a body does: legs in travel order, each a line, an arc or a turn in place.
+//! What a body does: legs in travel order, each a line, an arc, a clothoid or a turn in place.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::geometry::clothoid::Clothoid;
 use crate::geometry::{Sign, Vector};
 
 /// A rule of the paper, by table and number (numbering: `docs/errata.md`).
@@ -82,6 +83,24 @@ pub enum Curve<const D: usize> {
         /// travel.
         reverse: bool,
     },
+    /// A piece of a clothoid, in the first two coordinates, the heading tangent to it. Its ends are
+    /// stated: they are those of neighbours, to rounding where the clothoid leads.
+    Clothoid {
+        /// Where it begins.
+        from: Vector<D>,
+        /// Where it ends.
+        to: Vector<D>,
+        /// Heading where it begins, in (-pi, pi].
+        from_heading: f64,
+        /// Radians turned per metre travelled, where it begins and where it ends; positive turns
+        /// left. Between them the curvature changes evenly with the arc length.
+        curvatures: [f64; 2],
+        /// Its arc length.
+        length: f64,
+        /// Whether it is driven backwards: the heading is then opposite to the direction of
+        /// travel.
+        reverse: bool,
+    },
     /// A turn in place.
     Turn {
         /// Where.
@@ -104,6 +123,7 @@ impl<const D: usize> Curve<D> {
         match self {
             Self::Line { from, to, .. } => (to - from).norm(),
             Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
+            Self::Clothoid { length, .. } => *length,
             Self::Turn { .. } => 0.0,
         }
     }
@@ -113,6 +133,18 @@ impl<const D: usize> Curve<D> {
         match *self {
             Self::Line { turned, .. } => turned,
             Self::Arc { sweep, .. } | Self::Turn { sweep, .. } => sweep,
+            Self::Clothoid { curvatures: [first, last], length, .. } => {
+                0.5 * (first + last) * length
+            }
+        }
+    }
+
+    /// Radians turned per metre travelled at its start and at its end; positive turns left. Those
+    /// of a turn in place are infinite.
+    pub fn curvatures(&self) -> [f64; 2] {
+        match *self {
+            Self::Clothoid { curvatures, .. } => curvatures,
+            _ => [self.turned() / self.length(); 2],
         }
     }
 
@@ -121,6 +153,7 @@ impl<const D: usize> Curve<D> {
         match *self {
             Self::Line { from, .. } => from,
             Self::Arc { center, radius, start_angle, .. } => on_circle(center, radius, start_angle),
+            Self::Clothoid { from, .. } => from,
             Self::Turn { position, .. } => position,
         }
     }
@@ -132,6 +165,7 @@ impl<const D: usize> Curve<D> {
             Self::Arc { center, radius, start_angle, sweep, .. } => {
                 on_circle(center, radius, start_angle + sweep)
             }
+            Self::Clothoid { to, .. } => to,
             Self::Turn { position, .. } => position,
         }
     }
@@ -143,7 +177,9 @@ impl<const D: usize> Curve<D> {
             Self::Arc { start_angle, sweep, reverse, .. } => {
                 wrapped(heading_on_arc(start_angle, sweep, reverse))
             }
-            Self::Turn { from_heading, .. } => wrapped(from_heading),
+            Self::Turn { from_heading, .. } | Self::Clothoid { from_heading, .. } => {
+                wrapped(from_heading)
+            }
         }
     }
 
@@ -154,6 +190,7 @@ impl<const D: usize> Curve<D> {
             Self::Arc { start_angle, sweep, reverse, .. } => {
                 wrapped(heading_on_arc(start_angle, sweep, reverse) + sweep)
             }
+            Self::Clothoid { from_heading, .. } => wrapped(from_heading + self.turned()),
             Self::Turn { from_heading, sweep, .. } => wrapped(from_heading + sweep),
         }
     }
@@ -183,12 +220,12 @@ impl<const D: usize> Curve<D> {
                 let in_quadrant = (to[0] >= from[0]) == ahead && (to[1] >= from[1]) == left;
                 !in_quadrant && goes_back(from, to, heading)
             }
-            Self::Arc { reverse, .. } => *reverse,
+            Self::Arc { reverse, .. } | Self::Clothoid { reverse, .. } => *reverse,
             Self::Turn { .. } => false,
         }
     }
 
-    /// The same poses in reverse order: a line or an arc driven forwards becomes one driven
+    /// The same poses in reverse order: a line, an arc or a clothoid driven forwards becomes one driven
     /// backwards.
     ///
     /// ```
@@ -218,11 +255,26 @@ impl<const D: usize> Curve<D> {
                 // Without a sweep it is one pose, whose heading the flag decides.
                 reverse: reverse != (sweep != 0.0),
             },
+            Self::Clothoid { from, to, curvatures: [first, last], length, reverse, .. } => {
+                Self::Clothoid {
+                    from: to,
+                    to: from,
+                    from_heading: self.end_heading(),
+                    curvatures: [0.0 - last, 0.0 - first],
+                    length,
+                    reverse: !reverse,
+                }
+            }
             Self::Turn { position, sweep, .. } => {
                 Self::Turn { position, from_heading: self.end_heading(), sweep: 0.0 - sweep }
             }
         }
     }
+}
+
+/// How a piece of a clothoid bends, from its curvatures at both ends and its length.
+pub(crate) fn bend_of([first, last]: [f64; 2], length: f64) -> Clothoid {
+    Clothoid { curvature: first, sharpness: (last - first) / length + 0.0 }
 }
 
 /// A line shorter than this part of its coordinates has no direction.
@@ -296,7 +348,7 @@ fn reduced(angle: f64) -> f64 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::geometry::unit;
+    use crate::geometry::{rotated, unit};
     use proptest::prelude::*;
 
     /// Up to `most` curves that follow each other: lines and arcs, forwards or backwards, and
@@ -332,6 +384,18 @@ pub(crate) mod tests {
             }
             curves
         })
+    }
+
+    /// The clothoid from a pose on, with its end where it leads.
+    pub(crate) fn clothoid(
+        from: Vector<2>,
+        from_heading: f64,
+        (curvatures, length): ([f64; 2], f64),
+        reverse: bool,
+    ) -> Curve<2> {
+        let way = unit(from_heading + if reverse { PI } else { 0.0 });
+        let to = from + rotated(&bend_of(curvatures, length).place(length), &way);
+        Curve::Clothoid { from, to, from_heading, curvatures, length, reverse }
     }
 
     proptest! {
@@ -403,6 +467,11 @@ pub(crate) mod tests {
                 from_heading,
                 sweep
             }),
+            (point(), -PI..PI, -2.0..2.0_f64, -2.0..2.0_f64, 0.1..2.0_f64, any::<bool>()).prop_map(
+                |(from, heading, first, last, length, reverse)| {
+                    clothoid(from, heading, ([first, last], length), reverse)
+                }
+            ),
         ]
     }
 
@@ -452,6 +521,9 @@ pub(crate) mod tests {
                 Curve::Arc { center, sweep, .. } => {
                     let out = curve.start() - center;
                     Vector::from([-out.y, out.x]) * sweep.signum()
+                }
+                Curve::Clothoid { from_heading, reverse, .. } => {
+                    unit(from_heading + if reverse { PI } else { 0.0 })
                 }
                 Curve::Turn { .. } => Vector::zeros(),
             };

@@ -10,7 +10,8 @@
 //! every leg begins and ends without acceleration. On an arc of radius rho the speed also obeys
 //! `v <= yaw_rate * rho` and `v^2 <= lateral_acceleration * rho`. The yaw rate
 //! jumps where a line meets an arc, because the curvature does; the limit on
-//! yaw acceleration applies to turns in place only.
+//! yaw acceleration applies to turns in place, to clothoids, and with [`Stops::AtJoints`]
+//! everywhere.
 //!
 //! ```
 //! use planning::budget::Budget;
@@ -32,6 +33,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod clothoid_bounds;
 mod jerk;
 mod limits;
 mod profile;
@@ -39,6 +41,8 @@ mod ramp;
 mod rounding;
 mod sampler;
 mod sampling;
+mod smooth_turn;
+mod smoothing;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -46,7 +50,8 @@ mod track;
 
 pub use limits::{LimitError, Limits};
 pub use profile::{Profile, Stops, YawJumps};
-pub use rounding::round_corners;
+pub use rounding::{CornerShape, round_corners};
 pub use sampler::Sampler;
 pub use sampling::{Sampling, SamplingError};
+pub use smoothing::{SmoothDriving, SmoothedDrive, smooth_drive};
 pub use state::State;

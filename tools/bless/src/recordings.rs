@@ -53,6 +53,9 @@ const OF_SEVERAL: &[(&str, &[Source])] = &[
     ("refusals", &[Lines("refusals.jsonl")]),
     ("no-route", &[Lines("no-route.jsonl")]),
     ("routes", &[Lines("routes.jsonl")]),
+    ("corners", &[Lines("corners.jsonl")]),
+    ("shortest", &[Lines("shortest.jsonl")]),
+    ("unions", &[Lines("unions.jsonl")]),
 ];
 
 /// Samples of each motion in recordings of one scene: what else is in a reply is not thinned.

@@ -82,6 +82,7 @@ fn legs_table(legs: &[Leg]) -> Table {
                 format!("about {} r {radius:.3}", point(center)),
                 format!("{:+.1}°", sweep.to_degrees()),
             ),
+            Curve::Clothoid { from, to, .. } => (point(from), point(to)),
             Curve::Turn { position, sweep, .. } => {
                 (point(position), format!("{:+.1}°", sweep.to_degrees()))
             }

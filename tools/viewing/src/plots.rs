@@ -132,7 +132,7 @@ fn clearances(motion: &Trajectory) -> Option<Vec<f64>> {
 fn is_at_end(leg: &Leg, sample: &Sample) -> bool {
     const ROUNDING: f64 = 1e-9;
     let end = match &leg.curve {
-        Curve::Line { to, .. } => to.padded(),
+        Curve::Line { to, .. } | Curve::Clothoid { to, .. } => to.padded(),
         Curve::Arc { center, radius, start_angle, sweep } => {
             let angle = start_angle + sweep;
             let [x, y, z] = center.padded();

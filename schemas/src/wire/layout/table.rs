@@ -62,12 +62,13 @@ const SWITCHES: [(&str, u64); 3] = [
     ("stop_at_joints", switch::STOP_AT_JOINTS as u64),
 ];
 
-const REPORTED: [(&str, u64); 5] = [
+const REPORTED: [(&str, u64); 6] = [
     ("id", reported::ID as u64),
     ("bound", reported::BOUND as u64),
     ("free_clearance", reported::FREE_CLEARANCE as u64),
     ("incomplete", reported::INCOMPLETE as u64),
     ("exceeds", reported::EXCEEDS as u64),
+    ("stops", reported::STOPS as u64),
 ];
 
 const PRESENT: [(&str, u64); 9] = [
@@ -239,7 +240,8 @@ const SECTIONS: &[Section] = &[
         free_clearance: "m"
         exceeds (Codes(ExceededLimit::NAMES)): ""
         exceeds_joints: "a count"
-        exceeds_jump: "rad/s"),
+        exceeds_jump: "rad/s"
+        stops: "a count"),
     payload!("Trajectory": "the payload if kind is 0; lists continue in the answer's next part"
         "gap" ["gaps"]: "f64", "m"
         "channel index" ["route"]: "u64", ""
@@ -271,12 +273,12 @@ const SECTIONS: &[Section] = &[
         junction: "all bits set for none"
         length: "m"
         clearance: "m"
-        point: "line: from, arc: centre, turn: position; m"
-        to: "line; m"
-        radius: "arc; m"
-        start: "arc: start angle, turn: heading before; rad"
-        heading: "line: at its end, turn: after; rad"
-        sweep: "signed; line: turned on the way; rad"),
+        point: "line, clothoid: from, arc: centre, turn: position; m"
+        to: "line, clothoid; m"
+        radius: "arc; m. Clothoid: curvature at its start; rad/m"
+        start: "arc: start angle, turn, clothoid: heading before; rad"
+        heading: "line: at its end, turn, clothoid: after; rad"
+        sweep: "signed; line: turned on the way; rad. Clothoid: curvature at its end; rad/m"),
     structure!(Sample: "a state of the motion"
         t: "s"
         position: "m"

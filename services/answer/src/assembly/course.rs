@@ -8,7 +8,7 @@ use planning::free_space::walls::Walls;
 use planning::free_space::{Chain, ChainError, End, Mouth};
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use planning::motion::{Curve, Leg};
-use planning::trajectory::round_corners;
+use planning::trajectory::{CornerShape, round_corners};
 
 /// The channels travelled, the path through them, and how close it comes to the walls.
 #[derive(Debug, Default)]
@@ -189,15 +189,16 @@ impl<const D: usize> Course<D> {
         Ok(*clearance)
     }
 
-    /// Passes corners along arcs; in the plane only.
+    /// Passes corners along curves of a shape; in the plane only.
     pub(super) fn round(
         &mut self,
-        body: &Body<'_, D>,
+        (body, shape): (&Body<'_, D>, CornerShape),
         walls: &Walls<D>,
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
         let Self { path, clearances, clearance, rounded, .. } = self;
-        *clearance = round_corners(body, walls, path.legs(), (rounded, clearances), budget)?;
+        *clearance =
+            round_corners((body, shape), walls, path.legs(), (rounded, clearances), budget)?;
         path.set_legs(rounded);
         Ok(())
     }

@@ -77,6 +77,10 @@ impl<const D: usize> Ends<D> {
                 *to += self.inside;
             }
             Curve::Arc { center, .. } => *center += self.inside,
+            Curve::Clothoid { from, to, .. } => {
+                *from += self.inside;
+                *to += self.inside;
+            }
             Curve::Turn { position, .. } => *position += self.inside,
         }
         leg
@@ -89,8 +93,8 @@ impl<const D: usize> Ends<D> {
         profile: &'a Profile,
     ) -> Option<Teller<'a, D>> {
         let base = self.base.filter(|base| base.in_samples);
-        // On an arc a robot would turn, a part does not.
-        let turns = legs.iter().any(|leg| matches!(leg.curve, Curve::Arc { .. }));
+        // On a curve a robot would turn, a part does not.
+        let turns = legs.iter().any(|leg| !matches!(leg.curve, Curve::Line { .. }));
         let is_told_as_it_is = base.is_none() && self.inside.amax() == 0.0 && !turns;
         (!is_told_as_it_is).then(|| Teller::new(self.inside, base, legs, profile))
     }

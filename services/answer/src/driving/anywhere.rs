@@ -9,11 +9,12 @@ use planning::free_space::walls::{Complement, Walls};
 use planning::geometry::AxisBox;
 use planning::trajectory::Profile;
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
-use schemas::message::Refusal;
+use schemas::message::{Corners, Refusal};
 use schemas::wire::ReplyHeader;
 
 use super::course::{one_number, wrong_gap};
 use super::errand::Errand;
+use super::smooth;
 use crate::answers::{Job, Pace, Resources};
 use crate::cache::{Cached, Kind};
 use crate::check;
@@ -56,6 +57,8 @@ impl Memory {
 pub(super) struct AnywhereJob<'a> {
     errand: Errand,
     pace: Pace,
+    /// Whether corners are to be smooth.
+    is_smooth: bool,
     walls: Arc<Entry<Walls<2>>>,
     floor: Arc<Entry<Floor>>,
     /// The request's channels, if it has any.
@@ -85,7 +88,8 @@ impl<'a> AnywhereJob<'a> {
         }
         memory.safest = None;
         let channels = channels.unwrap_or_default();
-        Ok(Self { errand, pace, walls, floor, channels, memory, resources })
+        let is_smooth = scene.corners == Some(Corners::Smooth);
+        Ok(Self { errand, pace, is_smooth, walls, floor, channels, memory, resources })
     }
 
     /// What is wished for; the greatest free clearance is found once.
@@ -148,6 +152,12 @@ impl Job for AnywhereJob<'_> {
     fn plan(&mut self, wish: &Wish<'_>) -> Result<(), Refused> {
         let wished = self.wished(wish)?;
         self.drive(wished, wish)?;
+        if self.is_smooth {
+            let Self { errand, pace, walls, floor, memory, resources, .. } = self;
+            let Memory { planner, found, .. } = &mut **memory;
+            let task = (&*errand, pace.limits());
+            smooth::smooth(task, (walls, floor), planner, found, resources.budget)?;
+        }
         let Memory { found, profile, travelled, .. } = &mut *self.memory;
         let (rounding, budget) = (self.floor.rounding(), self.resources.budget);
         travelled.find(&found.legs, self.channels, rounding, budget)?;
@@ -185,6 +195,7 @@ pub(super) fn write<S: PartSink>(
         parts::clearance(header, found.clearance.as_ref());
         header.set_certificate(certificate(found));
         header.set_exceeds(pace.exceeded(&found.legs, profile));
+        header.set_stops(pace.stops_on_the_way(&found.legs, profile));
     };
     parts.trajectory(fill, lists, last)
 }

@@ -53,6 +53,8 @@ typedef enum clearway_leg_kind {
     CLEARWAY_LEG_KIND_ARC = 1,
     // A turn in place.
     CLEARWAY_LEG_KIND_TURN = 2,
+    // A curve whose curvature changes evenly with its arc length.
+    CLEARWAY_LEG_KIND_CLOTHOID = 3,
 } clearway_leg_kind;
 
 // Asks the planner of a domain.
@@ -158,18 +160,20 @@ typedef struct clearway_leg {
     double length;
     // Exact least distance to the walls on it; infinite without walls.
     double clearance;
-    // Line: from. Arc: centre. Turn: position.
+    // Line, clothoid: from. Arc: centre. Turn: position.
     double point[3];
-    // Line: to.
+    // Line, clothoid: to.
     double to[3];
     // Arc: radius.
     double radius;
-    // Arc: angle from the centre to the arriving point. Turn: heading before.
+    // Arc: angle from the centre to the arriving point. Turn, clothoid: heading before.
     double start;
-    // Line: heading at its end. Turn: heading after.
+    // Line: heading at its end. Turn, clothoid: heading after.
     double heading;
     // Arc, turn: signed angle, positive to the left. Line: signed angle turned on the way.
     double sweep;
+    // Clothoid: radians turned per metre where it begins and where it ends, positive to the left.
+    double curvatures[2];
 } clearway_leg;
 
 #ifdef __cplusplus

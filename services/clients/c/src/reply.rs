@@ -232,6 +232,7 @@ fn leg_of(leg: &message::Leg) -> Leg {
         start: 0.0,
         heading: 0.0,
         sweep: 0.0,
+        curvatures: [0.0; 2],
     };
     match curve {
         Curve::Line { from, to, heading, turned } => {
@@ -242,6 +243,17 @@ fn leg_of(leg: &message::Leg) -> Leg {
         }
         Curve::Turn { position, from_heading: start, to_heading: heading, sweep } => {
             Leg { kind: LegKind::Turn, point: at(position), start, heading, sweep, ..all }
+        }
+        Curve::Clothoid {
+            from,
+            to,
+            from_heading: start,
+            to_heading: heading,
+            curvatures,
+            length: _,
+        } => {
+            let (point, to) = (at(from), at(to));
+            Leg { kind: LegKind::Clothoid, point, to, start, heading, curvatures, ..all }
         }
     }
 }

@@ -87,6 +87,8 @@ pub enum LegKind {
     Arc = 1,
     /// A turn in place.
     Turn = 2,
+    /// A curve whose curvature changes evenly with its arc length.
+    Clothoid = 3,
 }
 
 /// A piece of a path. Metres; radians counter-clockwise from +x. What its kind does not have is 0.
@@ -107,18 +109,20 @@ pub struct Leg {
     pub length: f64,
     /// Exact least distance to the walls on it; infinite without walls.
     pub clearance: f64,
-    /// Line: from. Arc: centre. Turn: position.
+    /// Line, clothoid: from. Arc: centre. Turn: position.
     pub point: [f64; 3],
-    /// Line: to.
+    /// Line, clothoid: to.
     pub to: [f64; 3],
     /// Arc: radius.
     pub radius: f64,
-    /// Arc: angle from the centre to the arriving point. Turn: heading before.
+    /// Arc: angle from the centre to the arriving point. Turn, clothoid: heading before.
     pub start: f64,
-    /// Line: heading at its end. Turn: heading after.
+    /// Line: heading at its end. Turn, clothoid: heading after.
     pub heading: f64,
     /// Arc, turn: signed angle, positive to the left. Line: signed angle turned on the way.
     pub sweep: f64,
+    /// Clothoid: radians turned per metre where it begins and where it ends, positive to the left.
+    pub curvatures: [f64; 2],
 }
 
 /// A refusal. Texts live as long as the error; what does not apply is NULL, NaN or -1.

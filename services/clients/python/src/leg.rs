@@ -6,11 +6,12 @@ use pyo3::types::PyTuple;
 
 /// A piece of a path. Metres; radians counter-clockwise from +x. What a kind of leg does not have is
 /// None: a line has `from_`, `to`, `heading` and `turned`, an arc `center`, `radius`, `start_angle`
-/// and `sweep`, a turn in place `position`, `from_heading`, `to_heading` and `sweep`.
+/// and `sweep`, a turn in place `position`, `from_heading`, `to_heading` and `sweep`, a clothoid `from_`,
+/// `to`, `from_heading`, `to_heading`, `start_curvature` and `end_curvature`.
 #[pyclass(frozen, get_all, module = "clearway")]
 #[derive(Default)]
 pub(crate) struct Leg {
-    /// `"line"`, `"arc"` or `"turn"`.
+    /// `"line"`, `"arc"`, `"turn"` or `"clothoid"`.
     kind: String,
     /// Where a line begins.
     from_: Option<Py<PyTuple>>,
@@ -34,6 +35,10 @@ pub(crate) struct Leg {
     from_heading: Option<f64>,
     /// Heading after it.
     to_heading: Option<f64>,
+    /// Radians turned per metre where a clothoid begins, positive to the left.
+    start_curvature: Option<f64>,
+    /// The same where it ends.
+    end_curvature: Option<f64>,
     /// Arc length.
     length: f64,
     /// Exact least distance to the walls on it; infinite without walls.
@@ -87,6 +92,15 @@ impl Leg {
                 from_heading: Some(from_heading),
                 to_heading: Some(to_heading),
                 sweep: Some(sweep),
+                ..all
+            },
+            Curve::Clothoid { from, to, from_heading, to_heading, curvatures, length: _ } => Self {
+                from_: point(&from)?,
+                to: point(&to)?,
+                from_heading: Some(from_heading),
+                to_heading: Some(to_heading),
+                start_curvature: Some(curvatures[0]),
+                end_curvature: Some(curvatures[1]),
                 ..all
             },
         })

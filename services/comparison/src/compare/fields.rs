@@ -286,6 +286,7 @@ impl<'a> Comparer<'a> {
             legs,
             samples,
             exceeds,
+            stops,
         } = recorded;
         self.same("dimension", *dimension, planned.dimension)?;
         self.same("gaps_per_junction", *gaps_per_junction, planned.gaps_per_junction)?;
@@ -300,6 +301,7 @@ impl<'a> Comparer<'a> {
             let other = other.map(|other| other.jump);
             self.optional_number(Quantity::YawRate, "exceeds.jump", Some(*jump), other)?;
         }
+        self.added("stops", *stops, planned.stops)?;
         self.number(Quantity::Time, "duration", *duration, planned.duration)?;
         self.clearances(clearance, &planned.clearance)?;
         self.added_number(
@@ -343,7 +345,7 @@ impl<'a> Comparer<'a> {
     }
 
     fn curves(&mut self, recorded: Curve, planned: Curve) -> Compared {
-        use Curve::{Arc, Line, Turn};
+        use Curve::{Arc, Clothoid, Line, Turn};
         match (recorded, planned) {
             (
                 Line { from, to, heading, turned },
@@ -371,6 +373,25 @@ impl<'a> Comparer<'a> {
                 self.angle("from_heading", from_heading, f)?;
                 self.angle("to_heading", to_heading, t)?;
                 self.number(Quantity::Heading, "sweep", sweep, s)
+            }
+            (
+                Clothoid { from, to, from_heading, to_heading, curvatures, length },
+                Clothoid {
+                    from: f,
+                    to: t,
+                    from_heading: h,
+                    to_heading: e,
+                    curvatures: c,
+                    length: l,
+                },
+            ) => {
+                self.vector("from", from, f)?;
+                self.vector("to", to, t)?;
+                self.angle("from_heading", from_heading, h)?;
+                self.angle("to_heading", to_heading, e)?;
+                self.number(Quantity::YawRate, "start_curvature", curvatures[0], c[0])?;
+                self.number(Quantity::YawRate, "end_curvature", curvatures[1], c[1])?;
+                self.number(Quantity::Length, "length", length, l)
             }
             (recorded, planned) => self.same("kind", recorded.kind(), planned.kind()),
         }

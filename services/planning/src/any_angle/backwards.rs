@@ -27,6 +27,9 @@ pub(super) fn turn_round(legs: &mut [Leg<2>]) {
         match &mut leg.curve {
             Curve::Line { heading, .. } => *heading = wrapped(*heading + PI),
             Curve::Arc { reverse, .. } => *reverse = !*reverse,
+            Curve::Clothoid { from_heading, reverse, .. } => {
+                (*from_heading, *reverse) = (wrapped(*from_heading + PI), !*reverse);
+            }
             Curve::Turn { from_heading, .. } => *from_heading = wrapped(*from_heading + PI),
         }
     }

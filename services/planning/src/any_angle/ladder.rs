@@ -390,7 +390,9 @@ fn corners_at(path: &TautPath, legs: &[Leg<2>], leg: usize, corners: &mut Vec<u3
     let turn = |index: usize| path.turns.get(index).map(|turn| turn.vertex);
     let Some(leg) = legs.get(leg) else { return };
     match (leg.curve, leg.junction) {
-        (Curve::Arc { .. }, Some(junction)) => corners.extend(turn(junction)),
+        (Curve::Arc { .. } | Curve::Clothoid { .. }, Some(junction)) => {
+            corners.extend(turn(junction));
+        }
         (Curve::Line { .. }, Some(junction)) => {
             corners.extend(junction.checked_sub(1).and_then(turn));
             corners.extend(turn(junction));
@@ -400,6 +402,6 @@ fn corners_at(path: &TautPath, legs: &[Leg<2>], leg: usize, corners: &mut Vec<u3
             let turns = [path.turns.first(), path.turns.last()];
             corners.extend(turns.into_iter().flatten().map(|turn| turn.vertex));
         }
-        (Curve::Arc { .. }, None) => {}
+        (Curve::Arc { .. } | Curve::Clothoid { .. }, None) => {}
     }
 }

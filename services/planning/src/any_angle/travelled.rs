@@ -3,12 +3,17 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::budget::{Budget, Held, Spent};
+use crate::clearance::clothoid::PlacedClothoid;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::{AxisBox, Vector, unit};
 use crate::motion::{Curve, Leg};
 
 /// Steps of the budget that following a leg in a channel takes.
 const STEPS_PER_LEG: u64 = 4;
+
+/// A clothoid is followed along so many arcs in its place. They stray from it by no more than a
+/// millionth of its length, which counts as inside.
+const PIECES: u32 = 32;
 
 /// More channels than this are indexed.
 const FEW: usize = 32;
@@ -102,6 +107,9 @@ fn point_at(curve: &Curve<2>, part: f64) -> Vector<2> {
         Curve::Arc { center, radius, start_angle, sweep, .. } => {
             center + unit(start_angle + part * sweep) * radius
         }
+        Curve::Clothoid { from, .. } => {
+            PlacedClothoid::of(curve).map_or(from, |clothoid| clothoid.at(part))
+        }
     }
 }
 
@@ -114,7 +122,8 @@ fn follow(
     budget: &Budget<'_>,
 ) -> Result<PathPlace, Spent> {
     while let Some(next) = legs.get(leg) {
-        budget.step(STEPS_PER_LEG)?;
+        let is_clothoid = matches!(next.curve, Curve::Clothoid { .. });
+        budget.step(STEPS_PER_LEG * u64::from(if is_clothoid { PIECES } else { 1 }))?;
         let to = stays_until(&next.curve, part, channel, rounding);
         if to < 1.0 {
             return Ok((leg, to));
@@ -180,6 +189,23 @@ fn stays_until(curve: &Curve<2>, from: f64, channel: &AxisBox<2>, rounding: f64)
                 }
             }
             leaves
+        }
+        Curve::Clothoid { .. } => {
+            let Some(clothoid) = PlacedClothoid::of(curve) else { return from };
+            let place = |piece: u32| f64::from(piece) / f64::from(PIECES);
+            for (low, high) in (0..PIECES).map(|piece| (place(piece), place(piece + 1))) {
+                if high <= from {
+                    continue;
+                }
+                let osculating = clothoid.osculating([low, high]);
+                let begin = ((from - low) / (high - low)).max(0.0);
+                let margin = rounding + osculating.apart;
+                let until = stays_until(&osculating.curve, begin, channel, margin);
+                if until < 1.0 {
+                    return (low + until * (high - low)).max(from);
+                }
+            }
+            1.0
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Exact clearance of the rectangular robot over lines, arcs and turns in place.
+//! Exact clearance of the rectangular robot over lines, arcs and turns in place; over clothoids it is
+//! certified from below ([`super::clothoid`]).
 //!
 //! While body and wall are apart, the least distance between them is between a corner of
 //! one and an edge or corner of the other, and each of these pairs moves on a line or on
@@ -10,6 +11,7 @@ use thiserror::Error;
 
 use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
+use crate::clearance::clothoid::PlacedClothoid;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::geometry::number::Number;
@@ -343,6 +345,7 @@ fn meet_walls(
                 Ok(())
             })
         }
+        Curve::Clothoid { .. } => meet_from_below(footprint, curve, near),
         Curve::Turn { position, from_heading, sweep } => {
             let swing = swing::Swing::in_place(footprint, &position, from_heading, sweep);
             search(near, swing.bounds(), |wall, met| {
@@ -351,6 +354,32 @@ fn meet_walls(
             })
         }
     }
+}
+
+/// The clearance over a clothoid: a little less than the least distance, never more.
+fn meet_from_below(
+    footprint: &Footprint,
+    curve: &Curve<2>,
+    (walls, look, budget): (&Walls<2>, Look, &Budget<'_>),
+) -> Result<Met, Spent> {
+    let mut met = Met::NOTHING;
+    let Some(clothoid) = PlacedClothoid::of(curve) else { return Ok(met) };
+    let (most, enough) = match look {
+        Look::Until(least) => (least.next_up(), least),
+        Look::Within(_) | Look::Everywhere => (f64::INFINITY, f64::NEG_INFINITY),
+    };
+    let found = clothoid.least((footprint.swing_radius(), most, enough), |arc, less| {
+        budget.step(1)?;
+        let look = match look {
+            Look::Within(reach) => Look::Within(reach + less),
+            Look::Until(least) => Look::Until(least + less),
+            Look::Everywhere => Look::Everywhere,
+        };
+        let Met { value, along, wall, .. } = meet_walls(footprint, arc, (walls, look, budget))?;
+        Ok(Clearance { value, at: along, wall })
+    })?;
+    met.offer(found.value, found.at, found.wall);
+    Ok(met)
 }
 
 fn search(

@@ -1,5 +1,6 @@
 //! The speed profile over the legs.
 
+use super::clothoid_bounds::{ACROSS, ALONG, ClothoidBounds};
 use super::limits::Limits;
 use super::ramp::{Ramp, Ramping};
 use crate::budget::{Budget, Spent};
@@ -16,6 +17,9 @@ const STEPS_PER_LEG: u64 = 4;
 /// The body stops between two legs whose headings differ by more than this, radians.
 const SAME_HEADING: f64 = 1e-9;
 
+/// Curvatures that differ by no more than this part are the same where a clothoid begins or ends.
+const SAME_CURVATURE: f64 = 1e-9;
+
 /// Where a body stops on the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stops {
@@ -31,7 +35,7 @@ pub enum Stops {
     /// together stay within the limit on acceleration.
     AtKinks,
     /// As [`Stops::AtTurns`], and wherever the curvature jumps. The limits on yaw acceleration and
-    /// yaw jerk then hold on arcs as well.
+    /// yaw jerk then hold on arcs as well, and that on yaw acceleration on clothoids.
     AtJoints,
 }
 
@@ -148,21 +152,27 @@ impl Profile {
     /// curvature jumps and the body does not stop.
     pub fn yaw_jumps<const D: usize>(&self, legs: &[Leg<D>]) -> Option<YawJumps> {
         let mut jumps = YawJumps { joints: 0, greatest: 0.0 };
-        let curvature = |phase: &Phase| {
-            if phase.in_place { 0.0 } else { legs[phase.leg].curve.turned() / phase.length }
-        };
         for pair in self.phases.windows(2) {
             let (one, other) = (&pair[0], &pair[1]);
             if one.in_place || other.in_place {
                 continue;
             }
-            let jump = (curvature(other) - curvature(one)).abs() * one.exit;
+            let [curve, next] = [one, other].map(|phase| &legs[phase.leg].curve);
+            let jump = curvature_step(curve, next) * one.exit;
             if jump > 0.0 {
                 jumps.joints += 1;
                 jumps.greatest = jumps.greatest.max(jump);
             }
         }
         (jumps.joints > 0).then_some(jumps)
+    }
+
+    /// At how many joints of the legs that were planned the body stops, other than before and after
+    /// turns in place and where a robot changes between driving forwards and backwards.
+    pub fn stops_on_the_way<const D: usize>(&self, legs: &[Leg<D>], stops: Stops) -> usize {
+        let moving = self.phases.windows(2).filter(|pair| !pair.iter().any(|one| one.in_place));
+        let pairs = moving.map(|pair| [0, 1].map(|index: usize| &legs[pair[index].leg].curve));
+        pairs.filter(|[curve, next]| stops.holds_up(curve, next)).count()
     }
 
     pub(super) fn leg_count(&self) -> usize {
@@ -336,12 +346,28 @@ impl Stops {
                 let angle = direction(curve, true).angle(&direction(next, false));
                 angle <= SAME_HEADING
             }
-            Self::AtJoints => {
-                let curvature = |curve: &Curve<D>| curve.turned() / curve.length();
-                runs_into(curve, next) && curvature(curve) == curvature(next)
-            }
+            Self::AtJoints => runs_into(curve, next) && curvature_step(curve, next) == 0.0,
         }
     }
+
+    /// Whether a body stops between two curves though it neither turns in place there nor changes
+    /// between driving forwards and backwards.
+    fn holds_up<const D: usize>(self, curve: &Curve<D>, next: &Curve<D>) -> bool {
+        let is_gear_change = match self {
+            Self::EveryLeg | Self::AtKinks => false,
+            Self::AtTurns | Self::AtJoints => ends_backwards(curve) != next.is_reverse(),
+        };
+        !is_gear_change && !self.passes(curve, next)
+    }
+}
+
+/// By how much the curvature jumps from one curve to the next, rad/m. At a clothoid it does not where it
+/// is the same to rounding.
+fn curvature_step<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> f64 {
+    let ([_, before], [after, _]) = (curve.curvatures(), next.curvatures());
+    let step = (after - before).abs();
+    let meets = [curve, next].iter().any(|curve| matches!(curve, Curve::Clothoid { .. }));
+    if meets && step <= SAME_CURVATURE * before.abs().max(after.abs()) { 0.0 } else { step }
 }
 
 /// The direction of travel at the end of a curve, or at its start.
@@ -355,14 +381,17 @@ fn direction<const D: usize>(curve: &Curve<D>, at_end: bool) -> Vector<D> {
             (way[0], way[1]) = (-sin * sweep.signum(), cos * sweep.signum());
             way
         }
+        Curve::Clothoid { reverse, .. } => {
+            let heading = if at_end { curve.end_heading() } else { curve.start_heading() };
+            let (sin, cos) = libm::sincos(heading);
+            let sense = if reverse { -1.0 } else { 1.0 };
+            let mut way = Vector::zeros();
+            (way[0], way[1]) = (cos * sense, sin * sense);
+            way
+        }
         Curve::Turn { .. } => Vector::zeros(),
     }
 }
-
-/// What parts of the limit on acceleration a part on an arc has along and across its path: at right
-/// angles they make the whole.
-const ALONG: f64 = 0.8;
-const ACROSS: f64 = 0.6;
 
 /// What bounds the speed on `curve` by itself; `None` if nothing moves on it.
 fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits, stops: Stops) -> Option<Bound> {
@@ -384,12 +413,20 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits, stops: Stops) -> Opt
             Curve::Line { .. } if angle > NOTHING => {
                 speed.min(square(limits.yaw_rate() * length / angle))
             }
-            Curve::Line { .. } | Curve::Turn { .. } => speed,
+            Curve::Clothoid { .. } | Curve::Line { .. } | Curve::Turn { .. } => speed,
         };
         (length, limits.acceleration(), most)
     };
     let (mut acceleration, mut jerk, mut most) = (acceleration, jerk, most);
     match (stops, curve) {
+        (_, Curve::Clothoid { curvatures, .. }) if !in_place => {
+            let bend = ClothoidBounds::of(*curvatures, length);
+            let bounds = match stops {
+                Stops::AtKinks => bend.translated(limits),
+                _ => bend.driven(limits),
+            };
+            (most, acceleration, jerk) = bounds;
+        }
         (Stops::AtKinks, Curve::Arc { radius, .. }) if !in_place => {
             most = square(limits.speed()).min(ACROSS * limits.acceleration() * radius);
             acceleration = ALONG * limits.acceleration();
@@ -413,7 +450,7 @@ fn bound<const D: usize>(curve: &Curve<D>, limits: &Limits, stops: Stops) -> Opt
 
 /// Whether a body can go from `curve` on to `next` without a stop: the heading stays, and
 /// `next` sets out along it, or backwards if `curve` ends backwards.
-fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bool {
+pub(super) fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bool {
     let turns = matches!(*next, Curve::Line { turned, .. } if turned != 0.0);
     !turns
         && wrapped(next.start_heading() - curve.end_heading()).abs() <= SAME_HEADING

@@ -1,18 +1,20 @@
-//! Way-points of a translating body passed along arcs, so that it need not stop at each.
+//! Way-points of a translating body passed along curves, so that it need not stop at each.
 //!
-//! An arc replaces the ends of two legs, which it leaves and meets along their directions. It may come
-//! no closer to any wall than what it replaces, by exact distances on both; so all that is known of
-//! the path's clearance stays true.
+//! An arc, or a pair of clothoids, replaces the ends of two legs, which it leaves and meets along their
+//! directions. It may come no closer to any wall than what it replaces, by exact distances on both, or
+//! on clothoids by distances that are certified from below; so all that is known of the path's
+//! clearance stays true.
 
 use std::f64::consts::PI;
 
+use super::smooth_turn::{SmoothTurn, TurnStart};
 use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
+use crate::clearance::clothoid::{PRECISION, PlacedClothoid};
 use crate::clearance::translating::{Body, clearance_body_legs};
 use crate::free_space::walls::{Walls, planar};
-use crate::geometry::Vector;
 use crate::geometry::distance::{distance_point_segment, distance_segment_segment};
-use crate::geometry::polygon;
+use crate::geometry::{Sign, Vector, polygon};
 use crate::motion::{Curve, Leg, wrapped};
 
 /// Turns sharper than this, radians, or nearly none, stay as they are.
@@ -27,6 +29,15 @@ const STEPS_PER_PAIR: u64 = 8;
 
 /// Distances that differ by this part of the coordinates are equal.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// What corners are rounded with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CornerShape {
+    /// An arc.
+    Arc,
+    /// Two clothoids, so that the curvature is continuous.
+    Clothoids,
+}
 
 /// A part of a circle, run through from `start` by `sweep`.
 #[derive(Debug, Clone, Copy)]
@@ -96,10 +107,8 @@ impl RoundedCorner {
         best
     }
 
-    fn curve<const D: usize>(&self, like: &Vector<D>) -> Curve<D> {
-        let mut center = *like;
-        (center[0], center[1]) = (self.center.x, self.center.y);
-        let Self { radius, start, sweep, .. } = *self;
+    fn curve(&self) -> Curve<2> {
+        let Self { center, radius, start, sweep } = *self;
         Curve::Arc { center, radius, start_angle: wrapped(start), sweep, reverse: false }
     }
 }
@@ -137,32 +146,116 @@ impl WayPoint {
         let center = self.at - self.before * reach + inwards * radius;
         RoundedCorner { center, radius, start: libm::atan2(out.y, out.x), sweep: self.turn }
     }
+
+    /// The curves that leave and meet the legs at this distance from the corner.
+    fn curves(&self, shape: CornerShape, reach: f64) -> Vec<Curve<2>> {
+        match shape {
+            CornerShape::Arc => vec![self.arc(reach).curve()],
+            CornerShape::Clothoids => {
+                let turn = SmoothTurn::new(self.turn.abs(), 1.0);
+                let size = turn.between_tangents(reach);
+                let start = TurnStart {
+                    position: self.at - self.before * reach,
+                    heading: libm::atan2(self.before.y, self.before.x),
+                    reverse: false,
+                };
+                let end = self.at + self.after * reach;
+                turn.curves(size, Sign::of(self.turn), &start, end).collect()
+            }
+        }
+    }
+}
+
+/// A curve of the plane among `D` coordinates, of which the others are those of a point.
+fn raised<const D: usize>(curve: &Curve<2>, like: &Vector<D>) -> Curve<D> {
+    let raise = |point: &Vector<2>| {
+        let mut raised = *like;
+        (raised[0], raised[1]) = (point.x, point.y);
+        raised
+    };
+    match *curve {
+        Curve::Line { from, to, heading, turned } => {
+            Curve::Line { from: raise(&from), to: raise(&to), heading, turned }
+        }
+        Curve::Arc { center, radius, start_angle, sweep, reverse } => {
+            Curve::Arc { center: raise(&center), radius, start_angle, sweep, reverse }
+        }
+        Curve::Clothoid { from, to, from_heading, curvatures, length, reverse } => {
+            let (from, to) = (raise(&from), raise(&to));
+            Curve::Clothoid { from, to, from_heading, curvatures, length, reverse }
+        }
+        Curve::Turn { position, from_heading, sweep } => {
+            Curve::Turn { position: raise(&position), from_heading, sweep }
+        }
+    }
+}
+
+/// How close a translating body comes to walls on a rounded corner's curve: exactly on an arc, from below
+/// on a clothoid. `at` is the part of the curve.
+fn clearance_on_curve<const D: usize>(
+    (body, outlines): (&Body<'_, D>, &[Vec<Vector<2>>]),
+    walls: &Walls<D>,
+    curve: &Curve<2>,
+    budget: &Budget<'_>,
+) -> Result<Clearance<D>, Spent> {
+    let nearest = match *curve {
+        Curve::Arc { center, radius, start_angle: start, sweep, .. } => {
+            let arc = RoundedCorner { center, radius, start, sweep };
+            return clearance_on_arc(outlines, walls, &arc, budget);
+        }
+        Curve::Line { from, to, .. } => {
+            let curve = Curve::translation(spatial(&from), spatial(&to));
+            let leg = Leg { curve, junction: None, rule: None, rung: None };
+            let mut near = clearance_body_legs(body, walls, &[leg], &mut Vec::new(), budget)?;
+            if let Some(near) = &mut near {
+                near.at /= curve.length();
+            }
+            near
+        }
+        Curve::Clothoid { .. } => match PlacedClothoid::of(curve) {
+            Some(clothoid) => {
+                let bounds = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+                let near = clothoid.least(bounds, |piece, _| {
+                    budget.step(1)?;
+                    let near = clearance_on_curve((body, outlines), walls, piece, budget)?;
+                    Ok(Clearance { value: near.value, at: near.at, wall: planar(&near.wall) })
+                })?;
+                Some(Clearance { value: near.value, at: near.at, wall: spatial(&near.wall) })
+            }
+            None => None,
+        },
+        Curve::Turn { .. } => None,
+    };
+    Ok(nearest.unwrap_or(Clearance { value: f64::INFINITY, at: 0.0, wall: Vector::zeros() }))
 }
 
 /// How close a translating body comes to walls on an arc.
 fn clearance_on_arc<const D: usize>(
-    outline: &[Vector<2>],
+    outlines: &[Vec<Vector<2>>],
     walls: &Walls<D>,
     arc: &RoundedCorner,
     budget: &Budget<'_>,
 ) -> Result<Clearance<D>, Spent> {
     // The arc lies in the box around its middle of half its length.
     let (middle, reach) = (arc.at(0.5), 0.5 * arc.radius * arc.sweep.abs());
-    let (mut min, mut max) = (outline[0], outline[0]);
-    for vertex in outline {
+    let (mut min, mut max) =
+        (Vector::<2>::repeat(f64::INFINITY), Vector::<2>::repeat(f64::NEG_INFINITY));
+    let mut vertices = 0;
+    for vertex in outlines.iter().flatten() {
         (min, max) = (min.inf(vertex), max.sup(vertex));
+        vertices += 1;
     }
     let around = Vector::repeat(reach);
     let (min, max) = (spatial(&(min + middle - around)), spatial(&(max + middle + around)));
     let mut nearest = Clearance { value: f64::INFINITY, at: 0.0, wall: Vector::zeros() };
     let mut spent = Ok(());
     walls.nearest(&min, &max, budget, |_, wall| {
-        spent = budget.step(STEPS_PER_PAIR * outline.len() as u64);
+        spent = budget.step(STEPS_PER_PAIR * vertices);
         if spent.is_err() {
             return -1.0;
         }
         let (a, b) = (planar(&wall.from), planar(&wall.to));
-        for (vertex, next) in polygon::edges(outline) {
+        for (vertex, next) in outlines.iter().flat_map(|outline| polygon::edges(outline)) {
             // The body's vertex runs along the arc; the wall's end runs backwards past an edge.
             let shifted = RoundedCorner { center: arc.center + vertex, ..*arc };
             let (value, at) = shifted.distance((&a, &b));
@@ -196,27 +289,19 @@ fn spatial<const D: usize>(point: &Vector<2>) -> Vector<D> {
     spatial
 }
 
-/// Puts arcs in place of the corners of a polyline: each as large as half of the shorter leg beside
-/// it allows, halved until it comes no closer to a wall than the legs that it replaces. `each` gets
-/// the clearance of every leg of `rounded`; the result is that of the whole motion.
+/// Puts curves of a shape in place of the corners of a polyline: each as large as half of the shorter
+/// leg beside it allows, halved until it comes no closer to a wall than the legs that it replaces.
+/// `each` gets the clearance of every leg of `rounded`; the result is that of the whole motion.
 ///
 /// Only the first two coordinates are looked at.
 pub fn round_corners<const D: usize>(
-    body: &Body<'_, D>,
+    (body, corner_shape): (&Body<'_, D>, CornerShape),
     walls: &Walls<D>,
     legs: &[Leg<D>],
     (rounded, each): (&mut Vec<Leg<D>>, &mut Vec<Clearance<D>>),
     budget: &Budget<'_>,
 ) -> Result<Option<Clearance<D>>, Spent> {
     let outlines = body.outlines();
-    let on_arc = |arc: &RoundedCorner| {
-        let mut nearest: Option<Clearance<D>> = None;
-        for outline in &outlines {
-            let near = clearance_on_arc(outline, walls, arc, budget)?;
-            nearest = Some(nearest.filter(|nearest| nearest.value <= near.value).unwrap_or(near));
-        }
-        Ok::<_, Spent>(nearest)
-    };
     let mut of_line = Vec::new();
     let mut on_line = |from: Vector<D>, to: Vector<D>| {
         let leg =
@@ -230,7 +315,7 @@ pub fn round_corners<const D: usize>(
         let end = leg.curve.end();
         let corner =
             legs.get(index + 1).and_then(|next| WayPoint::between(&leg.curve, &next.curve));
-        let mut arc = None;
+        let mut found = None;
         if let (Some(corner), Some(next)) = (corner, legs.get(index + 1)) {
             let mut reach = 0.5 * leg.curve.length().min(next.curve.length());
             for _ in 0..HALVINGS {
@@ -239,27 +324,38 @@ pub fn round_corners<const D: usize>(
                 let replaced = [on_line(from, end)?, on_line(end, to)?];
                 let least = replaced.iter().flatten().map(|near| near.value);
                 let least = least.fold(f64::INFINITY, f64::min);
-                let trial = corner.arc(reach);
-                let Some(near) = on_arc(&trial)? else { break };
+                let mut curves = Vec::new();
+                let mut nearest = f64::INFINITY;
+                for curve in corner.curves(corner_shape, reach) {
+                    let near = clearance_on_curve((body, &outlines), walls, &curve, budget)?;
+                    nearest = nearest.min(near.value);
+                    curves.push((curve, near));
+                }
                 let vertices = outlines.iter().flatten();
                 let extent = end.amax() + vertices.map(|v| v.amax()).fold(0.0, f64::max);
-                if least > 0.0 && near.value >= least - ROUNDING * extent {
-                    arc = Some((trial, near, from, to));
+                let below = match corner_shape {
+                    CornerShape::Arc => 0.0,
+                    CornerShape::Clothoids => 4.0 * PRECISION * reach,
+                };
+                if least > below && nearest >= least - below - ROUNDING * extent {
+                    found = Some((curves, from, to));
                     break;
                 }
                 reach *= 0.5;
             }
         }
-        let until = arc.map_or(end, |(_, _, from, _)| from);
-        if until != begin || arc.is_none() {
+        let until = found.as_ref().map_or(end, |(_, from, _)| *from);
+        if until != begin || found.is_none() {
             rounded.push(Leg { curve: Curve::translation(begin, until), ..*leg });
             each.extend(on_line(begin, until)?);
         }
         begin = end;
-        if let Some((trial, near, _, to)) = arc {
-            rounded.push(Leg { curve: trial.curve(&end), ..*leg });
-            if near.value < f64::INFINITY {
-                each.push(near);
+        if let Some((curves, _, to)) = found {
+            for (curve, near) in &curves {
+                rounded.push(Leg { curve: raised(curve, &end), ..*leg });
+                if near.value < f64::INFINITY {
+                    each.push(*near);
+                }
             }
             begin = to;
         }
@@ -268,9 +364,9 @@ pub fn round_corners<const D: usize>(
     let mut travelled = 0.0;
     for (leg, near) in rounded.iter().zip(each.iter_mut()) {
         let length = leg.curve.length();
-        // On an arc it is a part, on a line metres from its start.
-        near.at = travelled
-            + if matches!(leg.curve, Curve::Arc { .. }) { near.at * length } else { near.at };
+        // On a curve it is a part, on a line metres from its start.
+        let is_line = matches!(leg.curve, Curve::Line { .. });
+        near.at = travelled + if is_line { near.at } else { near.at * length };
         travelled += length;
         if whole.is_none_or(|whole| near.value < whole.value) {
             whole = Some(*near);
@@ -297,11 +393,21 @@ mod tests {
 
     type Rounded = (Vec<Leg<2>>, Vec<Clearance<2>>, Option<Clearance<2>>);
 
-    fn rounded(body: &AxisBox<2>, walls: &Walls<2>, legs: &[Leg<2>]) -> Rounded {
+    fn rounded_by(
+        shape: CornerShape,
+        body: &AxisBox<2>,
+        walls: &Walls<2>,
+        legs: &[Leg<2>],
+    ) -> Rounded {
         let (mut made, mut each) = (Vec::new(), Vec::new());
         let body = Body::from_box(body);
-        let whole = round_corners(&body, walls, legs, (&mut made, &mut each), &Budget::default());
+        let whole =
+            round_corners((&body, shape), walls, legs, (&mut made, &mut each), &Budget::default());
         (made, each, whole.unwrap())
+    }
+
+    fn rounded(body: &AxisBox<2>, walls: &Walls<2>, legs: &[Leg<2>]) -> Rounded {
+        rounded_by(CornerShape::Arc, body, walls, legs)
     }
 
     /// A right angle between legs of 4 m and 2 m in the open: an arc of radius 1 m about (3, 1).

@@ -197,6 +197,12 @@ impl<'a, const D: usize> Sampler<'a, D> {
                     (TrackShape::Bend, false) => self.run::<false, B>(end, all, f, Track::on_bend),
                     (TrackShape::Arc, true) => self.run::<true, B>(end, all, f, Track::on_arc),
                     (TrackShape::Arc, false) => self.run::<false, B>(end, all, f, Track::on_arc),
+                    (TrackShape::Clothoid, true) => {
+                        self.run::<true, B>(end, all, f, Track::on_clothoid)
+                    }
+                    (TrackShape::Clothoid, false) => {
+                        self.run::<false, B>(end, all, f, Track::on_clothoid)
+                    }
                 };
             } else if let Some(state) = self.advance() {
                 left -= 1.0;

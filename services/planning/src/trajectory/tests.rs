@@ -9,6 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 mod jerk;
 mod reverse;
+mod smooth;
 
 fn leg<const D: usize>(curve: Curve<D>) -> Leg<D> {
     Leg { curve, junction: None, rule: None, rung: None }
@@ -237,7 +238,7 @@ proptest! {
             }
             let Some(Leg { curve, .. }) = legs.get(index) else { break };
             let place = offset + match *curve {
-                Curve::Turn { .. } => continue,
+                Curve::Turn { .. } | Curve::Clothoid { .. } => continue,
                 Curve::Line { from, .. } => (state.position - from).norm(),
                 Curve::Arc { center, radius, start_angle, sweep, .. } => {
                     let arm = state.position - center;

@@ -1,8 +1,10 @@
 //! Position and heading of the body along one leg.
 
 use super::state::State;
-use crate::geometry::{Sign, Vector};
-use crate::motion::{Curve, Leg, wrapped};
+use crate::geometry::clothoid::{Clothoid, MOST_PHASE, unit_chord};
+use crate::geometry::{Sign, Vector, rotated, unit};
+use crate::motion::{Curve, Leg, bend_of, wrapped};
+use std::f64::consts::PI;
 
 /// Angle between the nodes of an arc, where sine and cosine are computed, radians.
 const NODE_SPACING: f64 = 0.5;
@@ -21,7 +23,16 @@ pub(super) struct Track<const D: usize> {
     heading: f64,
     /// Signed radians turned per metre; +-1 in place.
     curvature: f64,
-    arc: Option<Arc>,
+    bow: Bow,
+}
+
+/// How the way of a leg bends.
+#[derive(Debug, Clone)]
+enum Bow {
+    /// Not at all.
+    Straight,
+    Round(Arc),
+    Spiral(Spiral),
 }
 
 /// What has to be computed for each state of a leg.
@@ -33,6 +44,20 @@ pub(super) enum TrackShape {
     Bend,
     /// The direction of travel, too: an arc.
     Arc,
+    /// All of it by series: a clothoid.
+    Clothoid,
+}
+
+/// A clothoid, with the place and the direction of travel at a node nearby.
+#[derive(Debug, Clone)]
+struct Spiral {
+    bend: Clothoid,
+    /// The direction of travel at its start, radians.
+    direction: f64,
+    /// Arc length, displacement from the start and unit vector of travel at the node.
+    node: f64,
+    place: Vector<2>,
+    towards: Vector<2>,
 }
 
 /// An arc about a centre, with the direction from it to the body at a node nearby.
@@ -56,30 +81,43 @@ impl<const D: usize> Track<D> {
         let heading = leg.curve.start_heading();
         let none = Vector::zeros();
         match leg.curve {
-            Curve::Line { from, turned, .. } if in_place => {
-                Self { origin: from, direction: none, heading, curvature: sense(turned), arc: None }
-            }
+            Curve::Line { from, turned, .. } if in_place => Self {
+                origin: from,
+                direction: none,
+                heading,
+                curvature: sense(turned),
+                bow: Bow::Straight,
+            },
             Curve::Line { from, to, turned, .. } => Self {
                 origin: from,
                 direction: direction(&from, &to, length, heading),
                 heading,
                 curvature: turned / length + 0.0,
-                arc: None,
+                bow: Bow::Straight,
             },
             Curve::Turn { position, sweep, .. } => {
                 let curvature = sense(sweep);
-                Self { origin: position, direction: none, heading, curvature, arc: None }
+                Self { origin: position, direction: none, heading, curvature, bow: Bow::Straight }
             }
             // The radius is negligible: the centre is the place.
             Curve::Arc { center, sweep, .. } if in_place => {
                 let curvature = sense(sweep);
-                Self { origin: center, direction: none, heading, curvature, arc: None }
+                Self { origin: center, direction: none, heading, curvature, bow: Bow::Straight }
             }
             // Driven backwards the place and the way are the same; the heading is the curve's.
             Curve::Arc { center, radius, start_angle, sweep, .. } => {
                 let sense = sense(sweep);
-                let arc = Some(Arc::new(radius, start_angle, sense));
-                Self { origin: center, direction: none, heading, curvature: sense / radius, arc }
+                let bow = Bow::Round(Arc::new(radius, start_angle, sense));
+                Self { origin: center, direction: none, heading, curvature: sense / radius, bow }
+            }
+            Curve::Clothoid { from, .. } if in_place => {
+                let curvature = sense(leg.curve.turned());
+                Self { origin: from, direction: none, heading, curvature, bow: Bow::Straight }
+            }
+            Curve::Clothoid { from, from_heading, curvatures, reverse, .. } => {
+                let direction = from_heading + if reverse { PI } else { 0.0 };
+                let bow = Bow::Spiral(Spiral::new(bend_of(curvatures, length), direction));
+                Self { origin: from, direction: none, heading, curvature: curvatures[0], bow }
             }
         }
         .normalised()
@@ -92,13 +130,14 @@ impl<const D: usize> Track<D> {
         self
     }
 
-    /// Selects `on_line`, `on_bend` or `on_arc`.
+    /// Selects `on_line`, `on_bend`, `on_arc` or `on_clothoid`.
     #[inline]
     pub(super) fn shape(&self) -> TrackShape {
-        match &self.arc {
-            Some(_) => TrackShape::Arc,
-            None if self.curvature == 0.0 => TrackShape::Line,
-            None => TrackShape::Bend,
+        match &self.bow {
+            Bow::Round(_) => TrackShape::Arc,
+            Bow::Spiral(_) => TrackShape::Clothoid,
+            Bow::Straight if self.curvature == 0.0 => TrackShape::Line,
+            Bow::Straight => TrackShape::Bend,
         }
     }
 
@@ -110,6 +149,7 @@ impl<const D: usize> Track<D> {
             TrackShape::Line => self.on_line(time, along, speed),
             TrackShape::Bend => self.on_bend(time, along, speed),
             TrackShape::Arc => self.on_arc(time, along, speed),
+            TrackShape::Clothoid => self.on_clothoid(time, along, speed),
         }
     }
 
@@ -139,7 +179,7 @@ impl<const D: usize> Track<D> {
     #[inline]
     pub(super) fn on_arc(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
         let mut state = self.on_bend(time, along, speed);
-        if let Some(arc) = &mut self.arc {
+        if let Bow::Round(arc) = &mut self.bow {
             let (cos, sin) = arc.direction(along);
             let across = speed * arc.sense;
             state.position[0] += arc.radius * cos;
@@ -149,6 +189,50 @@ impl<const D: usize> Track<D> {
             state.velocity[1] = 0.0 + across * cos;
         }
         state
+    }
+
+    /// `state` of a clothoid.
+    #[inline]
+    pub(super) fn on_clothoid(&mut self, time: f64, along: f64, speed: f64) -> State<D> {
+        let mut state = self.on_line(time, along, speed);
+        if let Bow::Spiral(spiral) = &mut self.bow {
+            let (place, towards) = spiral.at(along);
+            for axis in 0..2 {
+                state.position[axis] += place[axis];
+                state.velocity[axis] += towards[axis] * speed;
+            }
+            state.heading = wrapped(self.heading + spiral.bend.turned(along));
+            state.yaw_rate = spiral.bend.curvature_at(along) * speed + 0.0;
+        }
+        state
+    }
+}
+
+impl Spiral {
+    fn new(bend: Clothoid, direction: f64) -> Self {
+        Self { bend, direction, node: 0.0, place: Vector::zeros(), towards: unit(direction) }
+    }
+
+    /// The displacement from the start and the unit vector of travel `along` metres from there.
+    /// Nodes are computed independently, so errors do not add up.
+    #[inline]
+    fn at(&mut self, along: f64) -> (Vector<2>, Vector<2>) {
+        let (mut a, mut b) = self.bend.phases(self.node, along - self.node);
+        if a.abs() + b.abs() > MOST_PHASE {
+            self.move_node(along);
+            (a, b) = (0.0, 0.0);
+        }
+        let chord = unit_chord(a, b) * (along - self.node);
+        let (versine, sin) = small_angle(a + b);
+        let turned = rotated(&Vector::<2>::new(1.0 - versine, sin), &self.towards);
+        (self.place + rotated(&chord, &self.towards), turned)
+    }
+
+    #[inline(never)]
+    fn move_node(&mut self, along: f64) {
+        self.node = along;
+        self.place = rotated(&self.bend.place(along), &unit(self.direction));
+        self.towards = unit(self.direction + self.bend.turned(along));
     }
 }
 

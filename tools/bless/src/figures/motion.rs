@@ -74,6 +74,9 @@ pub(super) fn ends(leg: &Leg) -> [Pose; 2] {
                 let heading = angle + FRAC_PI_2.copysign(sweep);
                 (polar(flat(&center), radius, angle), heading)
             }),
+        Curve::Clothoid { from, to, from_heading, to_heading, .. } => {
+            [(flat(&from), from_heading), (flat(&to), to_heading)]
+        }
         Curve::Turn { position, from_heading, to_heading, .. } => {
             [(flat(&position), from_heading), (flat(&position), to_heading)]
         }
@@ -89,6 +92,7 @@ pub(super) fn path(view: &View, legs: &[Leg]) -> String {
         match leg.curve {
             Curve::Arc { radius, sweep, .. } => data += &view.arc_to(radius, sweep, to),
             Curve::Line { .. } => data += &view.polyline(&[to]).replace('M', "L"),
+            Curve::Clothoid { .. } => unreachable!("no figure has smooth corners"),
             Curve::Turn { .. } => {}
         }
     }

@@ -32,6 +32,7 @@ pub(crate) fn figure() -> String {
                 drawing.shape("junction", &rectangle([left, 34.0], [right, 322.0]));
                 "arc"
             }
+            Curve::Clothoid { .. } => "clothoid",
             Curve::Turn { .. } => {
                 drawing.shape("channel", &rectangle([left, 34.0], [right, 322.0]));
                 "turn"
@@ -117,7 +118,7 @@ fn times(motion: &Trajectory) -> Vec<f64> {
 /// The greatest speed on a leg, m/s.
 fn limit_of(leg: &Leg) -> f64 {
     match leg.curve {
-        Curve::Line { .. } => SPEED,
+        Curve::Line { .. } | Curve::Clothoid { .. } => SPEED,
         Curve::Arc { radius, .. } => SPEED.min(YAW_RATE * radius).min((LATERAL * radius).sqrt()),
         Curve::Turn { .. } => 0.0,
     }

@@ -219,7 +219,7 @@ fn between(motion: &Course, length: f64) -> Vec<f64> {
     let mut begin = 0.0;
     for (curve, end) in motion.curves().zip(motion.ends()) {
         let apart = match curve {
-            Curve::Arc { .. } => length * 0.35,
+            Curve::Arc { .. } | Curve::Clothoid { .. } => length * 0.35,
             _ => length,
         };
         let count = ((end - begin) / apart.max(least)).round().clamp(0.0, 80.0) as usize;

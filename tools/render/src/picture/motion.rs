@@ -117,6 +117,9 @@ impl Course {
             let angle = match piece.curve {
                 Curve::Line { turned, .. } => turned,
                 Curve::Arc { sweep, .. } | Curve::Turn { sweep, .. } => sweep,
+                Curve::Clothoid { curvatures: [first, last], length, .. } => {
+                    0.5 * (first + last) * length
+                }
             };
             let way = piece.length + finite(angle).abs() * reach;
             let steps = (way / step).ceil().clamp(1.0, MOST) as u32;
@@ -148,6 +151,36 @@ impl Piece {
     }
 }
 
+/// Steps over which a clothoid is summed up; they show in no picture.
+const CLOTHOID_STEPS: u32 = 64;
+
+/// The place and the heading after a part (0 to 1) of a clothoid: summed up, and drawn to where it ends.
+fn on_clothoid(
+    [from, to]: [Point; 2],
+    heading: f64,
+    ([first, last], length): ([f64; 2], f64),
+    part: f64,
+) -> Placement {
+    let turned = |part: f64| part * length * (first + 0.5 * part * (last - first));
+    let steps = f64::from(CLOTHOID_STEPS);
+    // Driven forwards, until so many steps.
+    let way = |until: f64| {
+        (0..CLOTHOID_STEPS).map(f64::from).fold([0.0, 0.0], |[x, y], step| {
+            let direction = heading + turned((step + 0.5) / steps);
+            let run = length / steps * (until - step).clamp(0.0, 1.0);
+            [x + run * libm::cos(direction), y + run * libm::sin(direction)]
+        })
+    };
+    let (whole, here) = (way(steps), way(part * steps));
+    let ahead = (to[0] - from[0]) * whole[0] + (to[1] - from[1]) * whole[1];
+    let sense = if ahead < 0.0 { -1.0 } else { 1.0 };
+    let mut position: Point = std::array::from_fn(|i| from[i] + part * (to[i] - from[i]));
+    for axis in 0..2 {
+        position[axis] += sense * (here[axis] - part * whole[axis]);
+    }
+    Placement { position, heading: heading + turned(part) }
+}
+
 /// The state after a part (0 to 1) of a curve that is driven forwards.
 fn at(curve: &Curve, part: f64) -> Placement {
     match curve {
@@ -163,6 +196,10 @@ fn at(curve: &Curve, part: f64) -> Placement {
             let (sin, cos) = (libm::sin(angle), libm::cos(angle));
             let position = [center[0] + radius * cos, center[1] + radius * sin, center[2]];
             Placement { position, heading: angle + FRAC_PI_2 * sweep.signum() }
+        }
+        Curve::Clothoid { from, to, from_heading, curvatures, length, .. } => {
+            let (ends, heading) = ([from, to].map(point), finite(*from_heading));
+            on_clothoid(ends, heading, (curvatures.map(finite), finite(*length)), part)
         }
         Curve::Turn { position, from_heading, sweep, .. } => {
             Placement { position: point(position), heading: finite(from_heading + part * sweep) }

@@ -16,6 +16,9 @@ pub(super) type Pixel = [f64; 2];
 /// Lines and arcs of a path.
 const MOST_COMMANDS: usize = 1500;
 
+/// Straight pieces in which a clothoid is drawn.
+const CLOTHOID_PIECES: usize = 24;
+
 /// A view along one axis.
 #[derive(Clone)]
 pub(super) struct Plot {
@@ -148,6 +151,7 @@ impl Plot {
                 Curve::Arc { radius, sweep, .. } => {
                     radius.abs() * sweep.abs().min(TAU) * self.scale
                 }
+                Curve::Clothoid { length, .. } => length * self.scale,
                 _ => distance(pen.unwrap_or(from), to),
             };
             if !run.is_finite() || run < fine {
@@ -172,6 +176,13 @@ impl Plot {
                         let left = if sweep > 0.0 { 0 } else { 1 };
                         let r = Px(radius);
                         _ = write!(data, "A{r} {r} 0 0 {left} {} {}", Px(to[0]), Px(to[1]));
+                    }
+                }
+                Curve::Clothoid { .. } => {
+                    for piece in 1..=CLOTHOID_PIECES {
+                        let part = piece as f64 / CLOTHOID_PIECES as f64;
+                        let to = place(motion::along(curve, part));
+                        _ = write!(data, "L{} {}", Px(to[0]), Px(to[1]));
                     }
                 }
                 _ => _ = write!(data, "L{} {}", Px(to[0]), Px(to[1])),

@@ -170,6 +170,7 @@ fn another_gap_moves_paths() {
                     ((x - a).powi(2) + (y - b).powi(2) + (z - c).powi(2)).sqrt()
                 }
                 Curve::Arc { radius, sweep, .. } => radius * sweep.abs(),
+                Curve::Clothoid { length, .. } => *length,
                 Curve::Turn { .. } => 0.0,
             });
             each.sum()

@@ -117,6 +117,8 @@ class Leg:
     position: Point | None
     from_heading: float | None
     to_heading: float | None
+    start_curvature: float | None
+    end_curvature: float | None
     length: float
     clearance: float
     junction: int | None

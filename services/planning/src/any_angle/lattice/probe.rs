@@ -193,6 +193,7 @@ impl<'a> Probe<'a> {
         let apart = |end: &Vector<2>| match curve {
             Curve::Line { from, to, .. } => distance_point_segment(end, (from, to)),
             Curve::Arc { center, radius, .. } => ((end - center).norm() - radius).abs(),
+            Curve::Clothoid { from, length, .. } => (end - from).norm() - length,
             Curve::Turn { position, .. } => (end - position).norm(),
         };
         ends.iter().any(|end| apart(end) <= 2.0 * self.swing)
@@ -321,6 +322,16 @@ fn placed(curve: &Curve<2>, unit_length: f64, start: &Pose) -> Curve<2> {
             sweep,
             reverse,
         },
+        Curve::Clothoid { from, to, from_heading, curvatures, length, reverse } => {
+            Curve::Clothoid {
+                from: at(&from),
+                to: at(&to),
+                from_heading: turned(from_heading),
+                curvatures: curvatures.map(|curvature| curvature / unit_length),
+                length: length * unit_length,
+                reverse,
+            }
+        }
         Curve::Turn { position, from_heading, sweep } => {
             Curve::Turn { position: at(&position), from_heading: turned(from_heading), sweep }
         }

@@ -66,6 +66,14 @@ impl NearShape {
         }
     }
 
+    /// The same shape, a rectangle farther away by this.
+    pub(super) fn less_by(self, by: f64) -> Self {
+        match self {
+            Self::Rectangle(rectangle, less) => Self::Rectangle(rectangle, less - by),
+            other => other,
+        }
+    }
+
     /// How much less than it is the distance counts.
     pub(super) fn less(&self) -> f64 {
         if let Self::Rectangle(_, less) = self { *less } else { 0.0 }

@@ -8,6 +8,7 @@ use super::swing::Swing;
 use super::{Footprint, Met, nearest, nearest_along};
 use crate::budget::{Budget, Spent};
 use crate::clearance::Clearance;
+use crate::clearance::clothoid::PlacedClothoid;
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::{Vector, rotated, unit};
 use crate::motion::{Curve, Leg, Pose};
@@ -38,7 +39,8 @@ const WAITING: usize = 16;
 /// to both end poses are made of linear pieces and square roots, which are equal at the roots
 /// of quadratic equations. Closer is closer by more than [`BINDING_TOLERANCE`]; with that
 /// the result is exact to rounding, and to [`FREE_TURNING_WHILE_MOVING_BOUND`] where a line on
-/// which the body turns decides.
+/// which the body turns decides. Where a clothoid does, it is less by no more than
+/// [`PRECISION`](crate::clearance::clothoid::PRECISION) says.
 ///
 /// The poses are those of the whole motion, of which the legs may be a part. `at` counts from
 /// the start of the legs.
@@ -153,6 +155,7 @@ impl Binding {
                 let swing = Swing::on_arc(footprint, arc, reverse);
                 self.near(&swing.shapes(), swing.bounds(), walls, budget)?;
             }
+            Curve::Clothoid { .. } => self.look_along_clothoid(footprint, curve, walls, budget)?,
             Curve::Turn { position, from_heading, sweep } => {
                 let swing = Swing::in_place(footprint, &position, from_heading, sweep);
                 self.near(&swing.shapes(), swing.bounds(), walls, budget)?;
@@ -213,6 +216,32 @@ impl Binding {
         self.near(&[NearShape::Rectangle(body, 0.0)], body.bounds(), walls, budget)?;
         self.look_while_turning(moving, (low, middle), walls, budget)?;
         self.look_while_turning(moving, (middle, high), walls, budget)
+    }
+
+    /// Looks for lesser distances along the arcs that osculate a clothoid, which are told by how
+    /// much less they count.
+    ///
+    /// On the clothoid a wall point may be nearer by `less`, so it may bind if on the arc it is no
+    /// farther than at the ends by that.
+    fn look_along_clothoid(
+        &mut self,
+        footprint: &Footprint,
+        curve: &Curve<2>,
+        walls: &Walls<2>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Spent> {
+        let Some(clothoid) = PlacedClothoid::of(curve) else { return Ok(()) };
+        let (bound, ends) = ((footprint.swing_radius(), self.value, f64::NEG_INFINITY), self.ends);
+        let found = clothoid.least(bound, |arc, less| {
+            let ends = ends.map(|end| end.less_by(less));
+            let mut near = Self { ends, value: self.value + less, ..*self };
+            near.look(footprint, (near.leg, arc), walls, budget)?;
+            Ok(Clearance { value: near.value, at: 0.0, wall: near.wall })
+        })?;
+        if found.value < self.value {
+            (self.value, self.wall) = (found.value, found.wall);
+        }
+        Ok(())
     }
 
     /// Looks for lesser distances from shapes within a box, of which those that count less
@@ -379,6 +408,16 @@ fn meet_point(
         Curve::Arc { center, radius, start_angle, sweep, reverse } => {
             let arc = (&center, radius, start_angle, sweep);
             Swing::on_arc(footprint, arc, reverse).meet(&wall, &mut met);
+        }
+        Curve::Clothoid { .. } => {
+            let Some(clothoid) = PlacedClothoid::of(curve) else { return Ok(met) };
+            let bound = (footprint.swing_radius(), f64::INFINITY, f64::NEG_INFINITY);
+            let found = clothoid.least(bound, |arc, _| {
+                budget.step(STEPS_PER_SHAPE)?;
+                let Met { value, along, wall, .. } = meet_point(footprint, arc, point, budget)?;
+                Ok(Clearance { value, at: along, wall })
+            })?;
+            met.offer(found.value, found.at, found.wall);
         }
         Curve::Turn { position, from_heading, sweep } => {
             Swing::in_place(footprint, &position, from_heading, sweep).meet(&wall, &mut met);

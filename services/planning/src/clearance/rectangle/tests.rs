@@ -9,10 +9,12 @@ use super::{
     Footprint, Met, TURNING_WHILE_MOVING_BOUND, clearance_rectangle_curve,
     clearance_rectangle_pose, nearest,
 };
+use crate::clearance::clothoid::{PRECISION, PlacedClothoid};
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 use crate::geometry::number::Number;
 use crate::motion::Curve;
+use crate::motion::tests::clothoid;
 
 pub(super) fn point(x: f64, y: f64) -> Vector<2> {
     Vector::<2>::new(x, y)
@@ -42,6 +44,12 @@ pub(crate) fn pose(curve: &Curve<2>, part: f64) -> (f64, f64, f64) {
                 center.y + radius * libm::sin(angle),
                 if reverse { tangent + PI } else { tangent },
             )
+        }
+        Curve::Clothoid { from_heading, curvatures: [first, last], length, .. } => {
+            let along = part * length;
+            let turned = along * (first + 0.5 * (last - first) * part);
+            let place = PlacedClothoid::of(curve).unwrap().at(part);
+            (place.x, place.y, from_heading + turned)
         }
         Curve::Turn { position, from_heading, sweep } => {
             (position.x, position.y, from_heading + sweep * part)
@@ -127,6 +135,9 @@ pub(crate) fn check_densely(
     let displacement = match *curve {
         Curve::Line { turned, .. } => curve.length() + reach * turned.abs(),
         Curve::Arc { sweep, .. } => curve.length() + reach * sweep.abs(),
+        Curve::Clothoid { curvatures, length, .. } => {
+            length * (1.0 + reach * curvatures[0].abs().max(curvatures[1].abs()))
+        }
         Curve::Turn { sweep, .. } => reach * sweep.abs(),
     };
     let step = 1.0 / samples as f64;
@@ -150,7 +161,11 @@ fn check_curve(footprint: &Footprint, curve: &Curve<2>, walls: &Walls<2>) -> Met
     for guess in [1e-9, 10.0, f64::INFINITY] {
         let other = nearest(footprint, curve, walls, guess, &Budget::default()).unwrap();
         let turns_while_moving = matches!(curve, Curve::Line { turned, .. } if *turned != 0.0);
-        let bound = if turns_while_moving { TURNING_WHILE_MOVING_BOUND } else { 0.0 };
+        let bound = match curve {
+            Curve::Clothoid { length, .. } => PRECISION * (length + footprint.swing_radius()),
+            _ if turns_while_moving => TURNING_WHILE_MOVING_BOUND,
+            _ => 0.0,
+        };
         assert!((met.value - other.value).abs() <= bound, "the guess {guess} matters");
     }
     check_densely(footprint, curve, walls, 200, met.value);
@@ -241,6 +256,20 @@ proptest! {
         curve in curves(),
         walls in scenes(),
     ) {
+        check_curve(&footprint, &curve, &walls);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn clearance_on_clothoids_is_what_dense_placements_approach(
+        footprint in footprints(), walls in scenes(), (x, y) in (-1.5..1.5, -1.5..1.5),
+        heading in -PI..PI, curvatures in prop::array::uniform2(-1.5..1.5_f64),
+        length in 0.2..2.0_f64, reverse in any::<bool>(),
+    ) {
+        let curve = clothoid(point(x, y), heading, (curvatures, length), reverse);
         check_curve(&footprint, &curve, &walls);
     }
 }

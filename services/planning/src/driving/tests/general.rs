@@ -18,6 +18,9 @@ fn ends(leg: &Leg<2>) -> [(Vector<2>, f64); 2] {
                 let heading = angle + std::f64::consts::FRAC_PI_2.copysign(sweep);
                 (center + unit(angle) * radius, heading)
             }),
+        Curve::Clothoid { from, to, .. } => {
+            [(from, leg.curve.start_heading()), (to, leg.curve.end_heading())]
+        }
         Curve::Turn { position, from_heading, sweep } => {
             [(position, from_heading), (position, from_heading + sweep)]
         }

@@ -1,6 +1,7 @@
 //! Routes of robots, against all ways looked at one by one.
 
 use super::*;
+use crate::clearance::clothoid::PlacedClothoid;
 use crate::clearance::rectangle::Footprint;
 use crate::driving::{self, CornerGaps, Drive, DrivingError, Goal, Pose, StartTurn, corners_of};
 use crate::free_space::walls::{Complement, Wall, Walls};
@@ -182,6 +183,7 @@ fn points(curve: &Curve<2>) -> Vec<Vector<2>> {
                 Curve::Arc { center, radius, start_angle, sweep, .. } => {
                     center + unit(start_angle + sweep * part) * *radius
                 }
+                Curve::Clothoid { .. } => PlacedClothoid::of(curve).unwrap().at(part),
                 Curve::Turn { position, .. } => *position,
             }
         })

@@ -9,7 +9,8 @@ use super::super::along_wall::DistanceLaw;
 use super::super::tests::{footprints, outline_distance, point, pose, scenes, walls};
 use super::*;
 use crate::budget::{Allowance, Cap};
-use crate::motion::tests::motions;
+use crate::clearance::clothoid::PRECISION;
+use crate::motion::tests::{clothoid, motions};
 
 fn leg(curve: Curve<2>) -> Leg<2> {
     Leg { curve, junction: None, rule: None, rung: None }
@@ -261,6 +262,18 @@ proptest! {
         let (from, to) = (point(x, y), point(u, v));
         let curve = Curve::Line { from, to, heading, turned };
         check(&footprint, &[curve], &walls, FREE_TURNING_WHILE_MOVING_BOUND + TURNING_WHILE_MOVING_BOUND);
+    }
+
+    #[test]
+    fn clothoids_are_free_to_their_bound(
+        footprint in footprints(), walls in scenes(), from in (-1.5..1.5, -1.5..1.5),
+        heading in -PI..PI, curvatures in prop::array::uniform2(-1.5..1.5_f64),
+        length in 0.2..2.0_f64, reverse in any::<bool>(),
+    ) {
+        let from = point(from.0, from.1);
+        let curve = clothoid(from, heading, (curvatures, length), reverse);
+        let size = length + footprint.swing_radius();
+        check(&footprint, &[curve], &walls, 3.0 * PRECISION * size);
     }
 }
 
