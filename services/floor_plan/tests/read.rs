@@ -31,7 +31,7 @@ fn polygons(free_space: FreeSpace) -> Vec<Vec<[f64; 2]>> {
         Solid::Polygon(vertices) => {
             vertices.iter().map(|vertex| [vertex.padded()[0], vertex.padded()[1]]).collect()
         }
-        Solid::Box(_) => panic!("not a polygon"),
+        other => panic!("{other:?} is not a polygon"),
     };
     free_space.solids.unwrap().into_iter().map(polygon).collect()
 }

@@ -255,22 +255,27 @@ impl<const D: usize> Walls<D> {
 
     /// The solid to which a wall belongs, counted in the order of addition.
     pub fn solid_of(&self, wall: usize) -> Option<usize> {
-        let after = self.solids.partition_point(|solid| solid.walls.0 <= wall);
-        let SolidSurface { solid, walls: (first, count), .. } =
-            self.solids[after.checked_sub(1)?];
-        (wall < first + count).then_some(solid)
+        self.surface_of(wall).map(|surface| surface.solid)
     }
 
-    /// The walls of the solid to which a wall belongs, in the order of its outline unless it is a box.
-    pub(crate) fn walls_of_solid(&self, wall: usize) -> Option<Range<usize>> {
-        let (first, count) = self.solids[self.solid_of(wall)?].walls;
+    /// The surface of the solid, or of the part of one, to which a wall belongs.
+    fn surface_of(&self, wall: usize) -> Option<&SolidSurface<D>> {
+        let after = self.solids.partition_point(|surface| surface.walls.0 <= wall);
+        let surface = &self.solids[after.checked_sub(1)?];
+        let (first, count) = surface.walls;
+        (wall < first + count).then_some(surface)
+    }
+
+    /// All walls of the surface to which a wall belongs, in the order of its outline unless it is a box.
+    pub(crate) fn walls_beside(&self, wall: usize) -> Option<Range<usize>> {
+        let (first, count) = self.surface_of(wall)?.walls;
         Some(first..first + count)
     }
 
-    /// The solid to which a wall belongs, if it was added as a box.
+    /// The box to whose surface a wall belongs, if it was added as one.
     pub(crate) fn box_of(&self, wall: usize) -> Option<&AxisBox<D>> {
-        let solid = &self.solids[self.solid_of(wall)?];
-        solid.is_box.then_some(&solid.bounds)
+        let surface = self.surface_of(wall)?;
+        surface.is_box.then_some(&surface.bounds)
     }
 
     /// The smallest box around all walls; `None` without any.

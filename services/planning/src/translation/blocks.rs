@@ -50,7 +50,7 @@ impl Blocks {
         wall: usize,
         budget: &Budget<'_>,
     ) -> Result<Option<usize>, Spent> {
-        let Some(solid) = walls.walls_of_solid(wall) else { return Ok(None) };
+        let Some(solid) = walls.walls_beside(wall) else { return Ok(None) };
         if self.of_wall.is_empty() {
             budget.hold(size_of::<u32>() * walls.as_slice().len())?;
             self.of_wall.resize(walls.as_slice().len(), NONE);

@@ -179,7 +179,7 @@ impl<'a> Sums<'a> {
             for end in relaxed {
                 let (min, max) = (end - bounds[1] + low - play, end - bounds[0] + high + play);
                 walls.near(&min, &max, 0.0, budget, |index, wall| {
-                    if let Some(solid) = walls.walls_of_solid(index) {
+                    if let Some(solid) = walls.walls_beside(index) {
                         near.push((solid.start, *wall));
                     }
                 })?;
