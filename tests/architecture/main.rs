@@ -31,12 +31,13 @@ fn ours(package: &str) -> String {
     package.strip_prefix("clearway-").unwrap_or(package).to_owned()
 }
 
-const SERVICES: [&str; 11] = [
+const SERVICES: [&str; 12] = [
     "schemas",
     "planning",
     "answer",
     "configuration",
     "floor-plan",
+    "mesh",
     "bus",
     "client",
     "recording",
@@ -60,6 +61,7 @@ fn dependencies_run_one_way() {
         ("python", vec!["client", "floor-plan", "recording", "schemas"]),
         ("recording", vec!["schemas"]),
         ("floor-plan", vec!["schemas"]),
+        ("mesh", vec![]),
         ("answer", vec!["planning", "schemas"]),
         ("configuration", vec!["answer"]),
         // How programs end, print and report: knows none of what they do.
@@ -72,7 +74,16 @@ fn dependencies_run_one_way() {
         // Can plan in its own process; reaches the planner by the bus only.
         (
             "plan",
-            vec!["schemas", "answer", "configuration", "floor-plan", "bus", "program", "render"],
+            vec![
+                "schemas",
+                "answer",
+                "configuration",
+                "floor-plan",
+                "mesh",
+                "bus",
+                "program",
+                "render",
+            ],
         ),
         ("recorder", vec!["schemas", "bus", "recording", "program"]),
         // Plans and compares; asks a running planner only if told.
@@ -98,7 +109,7 @@ fn dependencies_run_one_way() {
         // Makes what the others' tests compare with.
         ("bless", [&SERVICES[..], &TOOLS, &["fuzz-targets", "integration-tests"]].concat()),
         // Reads what others wrote, by the libraries that read it.
-        ("fuzz-targets", vec!["schemas", "answer", "recording", "floor-plan"]),
+        ("fuzz-targets", vec!["schemas", "answer", "recording", "floor-plan", "mesh"]),
         // Tests know everything.
         ("schema-tests", vec!["answer", "comparison", "schemas"]),
         ("peers", vec!["answer", "floor-plan", "schemas"]),

@@ -3,23 +3,22 @@
 
 use std::mem;
 
-use planning::clearance::translating::Body;
 use planning::disassembly::{self, DisassemblyError};
 use planning::free_space::End;
 use planning::free_space::walls::Complement;
 use planning::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
-use planning::route::{BodyMover, Mover, RouteError, Router};
-use planning::trajectory::{CornerShape, Profile, Stops};
+use planning::route::{BodyMover, Mover, Router};
+use planning::trajectory::Profile;
 use planning::translation::{self, NoWay};
 use schemas::convert::{Certificate, PartSink, TrajectoryWriter};
-use schemas::message::{self, Corners, PathChoice, Refusal, Task};
+use schemas::message::{self, PathChoice, Task};
 use schemas::wire::ReplyHeader;
 
-use crate::answers::{Job, Pace, Resources, Stop, answer_each};
+use crate::answers::{Job, Resources, Stop, answer_each};
 use crate::check;
-use crate::free_space::{Buffers, Cut, Explain, FreeSpace, Outlines, Source, closed_to_union};
+use crate::free_space::{Buffers, Explain, FreeSpace, Outlines, Source, closed_to_union};
 use crate::parts::{self, Parts};
-use crate::refuse::{self, Axes, PLANE, Refused, SPACE};
+use crate::refuse::{self, PLANE, Refused, SPACE};
 use crate::scene::Scene;
 use crate::stop::StopFlag;
 use crate::wish::{Gaps, Wish, Wishes};
@@ -29,12 +28,14 @@ mod course;
 pub(crate) mod frames;
 mod gap;
 mod slide;
+mod terms;
 
-use body::{BodyBuffers, narrower_boxes};
+use body::BodyBuffers;
 use course::Course;
 use frames::Ends;
 use gap::gap_of;
 use slide::{Slide, slide};
+use terms::Terms;
 
 /// Memory for assembly tasks in `D` dimensions.
 #[derive(Debug, Default)]
@@ -53,18 +54,6 @@ struct Memory<const D: usize> {
     /// Of several exits, the best so far.
     best: Course<D>,
     profile: Profile,
-}
-
-/// What is moved, and how.
-#[derive(Debug, Clone, Copy)]
-struct Terms<'a, const D: usize> {
-    scene: Scene<'a>,
-    axes: Axes,
-    body: Body<'a, D>,
-    /// What finds a way without channels, if anything does.
-    slide: Option<Slide<D>>,
-    ends: &'a Ends<D>,
-    pace: Pace,
 }
 
 /// A part that is too wide by no more than twice this part of its greatest coordinate fits exactly.
@@ -158,77 +147,6 @@ impl<const D: usize> Assembly<D> {
         let vectors = body.bytes() + gaps.capacity() * size_of::<Vector<D>>();
         let courses = course.bytes() + best.bytes();
         vectors + buffers.bytes() + complement.bytes() + router.bytes() + courses + profile.bytes()
-    }
-}
-
-impl<'a, const D: usize> Terms<'a, D> {
-    fn new(
-        scene: Scene<'a>,
-        axes: Axes,
-        (body, slide, ends): (Body<'a, D>, Option<Slide<D>>, &'a Ends<D>),
-        wishes: &Wishes<'_>,
-    ) -> Result<Self, Refusal> {
-        let stops = match scene.corners {
-            Some(Corners::Arc | Corners::Smooth) if D == 2 => Stops::AtKinks,
-            Some(Corners::Arc | Corners::Smooth) => {
-                let message = "corners: arcs and smooth corners are for two dimensions; in three, \
-                               parts stop at every way-point";
-                return Err(Refusal::invalid("corners", message));
-            }
-            Some(Corners::Sharp) | None => Stops::EveryLeg,
-        };
-        Ok(Self { scene, axes, body, slide, ends, pace: Pace::of(scene, wishes, stops)? })
-    }
-
-    /// What corners are rounded with, if they are.
-    fn corner_shape(&self) -> Option<CornerShape> {
-        match self.scene.corners {
-            Some(Corners::Arc) => Some(CornerShape::Arc),
-            Some(Corners::Smooth) => Some(CornerShape::Clothoids),
-            Some(Corners::Sharp) | None => None,
-        }
-    }
-
-    /// The free space for a way out, for a body of these bounds. Whatever is refused, no gap would
-    /// help.
-    fn open(
-        &self,
-        (exit, bounds): (Direction, &AxisBox<D>),
-        source: &mut Source<'a, D>,
-        explain: Explain,
-        resources: &mut Resources<'_>,
-    ) -> Result<FreeSpace<'a, D>, Refused> {
-        let axes = &self.axes;
-        let cavity = |cut: &Cut<'a, D>| {
-            cut.cavity(bounds, exit).ok_or_else(|| {
-                let message = "free_space.solids enclose no cavity";
-                Refusal::invalid("free_space.solids", message)
-            })
-        };
-        let is_union = self.body.is_union();
-        let space = if is_union {
-            let boxes = narrower_boxes(&self.body, bounds);
-            source.open_for_union((&boxes, *bounds), exit, axes, resources)
-        } else {
-            source.open(cavity, bounds.size(), resources)
-        };
-        let space = space.map_err(Refused::whole)?;
-        let (Source::Solids(cut), FreeSpace::Made(made)) = (source, &space) else {
-            return Ok(space);
-        };
-        if let Err(refusal) = check::mouth(axes, space.channels(), made.bounds(), exit) {
-            if is_union {
-                return Err(closed_to_union(axes, String::new(), RouteError::NoChannels));
-            }
-            let mover = BodyMover::new(bounds, disassembly::Gap::Safest, End::Exit(exit));
-            return Err(match mover {
-                Ok(mover) if explain == Explain::Fully => {
-                    cut.refuse_mouth(made, axes, refusal, mover.traveller(), resources)
-                }
-                _ => Refused::Request(refusal),
-            });
-        }
-        Ok(space)
     }
 }
 

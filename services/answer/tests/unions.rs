@@ -161,8 +161,7 @@ fn channels_hold_the_bounds_of_a_union() {
     let union = plan(&scene(&boxes(&corner))).unwrap();
     let whole =
         plan(&scene(r#"{"box": {"min": [0.5, 0.5, 0.5], "max": [2.5, 2.5, 2.5]}}"#)).unwrap();
-    let ends =
-        |found: &Trajectory| found.legs.iter().map(|leg| leg.curve.clone()).collect::<Vec<_>>();
+    let ends = |found: &Trajectory| found.legs.iter().map(|leg| leg.curve).collect::<Vec<_>>();
     assert_eq!(ends(&union), ends(&whole));
     assert!(union.clearance.value >= whole.clearance.value);
 }

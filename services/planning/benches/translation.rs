@@ -36,7 +36,7 @@ impl Tray {
     /// Rows of stars with twenty vertices each, every other row shifted by half their distance.
     fn of_stars(rows: usize, columns: usize) -> Self {
         let center = |row: usize, column: usize| {
-            let shift = if row % 2 == 0 { 0.0 } else { 1.5 };
+            let shift = if row.is_multiple_of(2) { 0.0 } else { 1.5 };
             [3.0 * column as f64 + shift, 4.0 + 3.0 * row as f64]
         };
         let stars = (0..rows).flat_map(|row| (0..columns).map(move |column| center(row, column)));

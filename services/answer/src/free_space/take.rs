@@ -98,10 +98,11 @@ impl TakeSolids<3> for Surfaces<'_, 3> {
 
 impl TakeSolids<2> for Pieces<'_, 2> {
     fn take_box(&mut self, solid: &AxisBox<2>, goes_on: bool) -> Result<(), Refused> {
-        Ok(match goes_on {
+        match goes_on {
             true => self.solids.push_more(*solid, self.budget)?,
             false => self.solids.push_box(*solid, self.budget)?,
-        })
+        }
+        Ok(())
     }
 
     fn take_polygon(
@@ -125,10 +126,11 @@ impl TakeSolids<2> for Pieces<'_, 2> {
 
 impl TakeSolids<3> for Pieces<'_, 3> {
     fn take_box(&mut self, solid: &AxisBox<3>, goes_on: bool) -> Result<(), Refused> {
-        Ok(match goes_on {
+        match goes_on {
             true => self.solids.push_more(*solid, self.budget)?,
             false => self.solids.push_box(*solid, self.budget)?,
-        })
+        }
+        Ok(())
     }
 
     fn take_polygon(

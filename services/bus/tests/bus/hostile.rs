@@ -73,7 +73,7 @@ mod other {
     #[derive(Debug, Default, Clone, Copy, ZeroCopySend)]
     #[repr(C)]
     #[type_name("clearway::ReplyHeader#0000000000000000")]
-    pub(crate) struct ReplyHeader([u64; 23]);
+    pub(crate) struct ReplyHeader([u64; 24]);
 
     pub(crate) type Builder = iceoryx2::service::builder::request_response::Builder<
         [u64],

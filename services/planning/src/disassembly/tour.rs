@@ -339,16 +339,18 @@ impl<const D: usize> Descent<D> {
     fn settle(&self, directions: &mut [Vector<D>]) {
         let is_place = |leg: usize| self.legs[leg].1 <= SAME_PLACE;
         for leg in (1..directions.len()).filter(|leg| is_place(*leg)) {
-            for axis in 0..D {
+            let (before, after) = directions.split_at_mut(leg);
+            for (axis, along) in after[0].iter_mut().enumerate() {
                 if self.held_by(&self.points[leg - 1], axis).is_none() {
-                    directions[leg][axis] = directions[leg - 1][axis];
+                    *along = before[leg - 1][axis];
                 }
             }
         }
         for leg in (0..directions.len().saturating_sub(1)).rev().filter(|leg| is_place(*leg)) {
-            for axis in 0..D {
+            let (before, after) = directions.split_at_mut(leg + 1);
+            for (axis, along) in before[leg].iter_mut().enumerate() {
                 if self.held_by(&self.points[leg], axis).is_none() {
-                    directions[leg][axis] = directions[leg + 1][axis];
+                    *along = after[0][axis];
                 }
             }
         }
@@ -369,9 +371,10 @@ impl<const D: usize> Descent<D> {
         for (gate, at) in bends {
             let along = at - from;
             let length = along.norm();
-            for leg in first..=*gate {
-                if length > 0.0 && self.legs[leg].1 > SAME_PLACE {
-                    directions[leg] = along / length;
+            let legs = self.legs[first..=*gate].iter().zip(&mut directions[first..=*gate]);
+            for ((_, reach), direction) in legs {
+                if length > 0.0 && *reach > SAME_PLACE {
+                    *direction = along / length;
                 }
             }
             (from, first) = (*at, gate + 1);

@@ -10,6 +10,9 @@ fn next(state: &mut u64) -> u64 {
 
 /// Changes some bytes as disks, transfers and people do.
 fn mutate(bytes: &mut Vec<u8>, state: &mut u64) {
+    if bytes.is_empty() {
+        return;
+    }
     let mut below = |most: usize| next(state) as usize % most.max(1);
     let at = below(bytes.len());
     let count = 1 + below(200).min(bytes.len() - at - 1);

@@ -51,7 +51,7 @@ fn union_scenes<const D: usize>(most: usize) -> impl Strategy<Value = UnionScene
 }
 
 impl<const D: usize> UnionScene<D> {
-    fn bounds(&self) -> AxisBox<D> {
+    fn bounds() -> AxisBox<D> {
         AxisBox::new(Vector::zeros(), Vector::repeat(f64::from(SIDE))).expect("a box")
     }
 
@@ -62,7 +62,7 @@ impl<const D: usize> UnionScene<D> {
     /// Whether no box of the displaced body overlaps a solid, or is beside the bounds before the mouth,
     /// by more than `contact`, metres.
     fn is_free(&self, at: &Vector<D>, contact: f64) -> bool {
-        let (bounds, exit) = (self.bounds(), self.exit);
+        let (bounds, exit) = (Self::bounds(), self.exit);
         self.body.iter().all(|part| {
             let part = part.translated(at);
             let overlaps = |solid: &AxisBox<D>| {
@@ -91,7 +91,7 @@ impl<const D: usize> UnionScene<D> {
     fn floods_out(&self) -> bool {
         let (around, exit) = (self.around(), self.exit);
         let middle = |cell: &[i32; D]| Vector::from(cell.map(|low| f64::from(low) + 0.5));
-        let mouth = mouth_of(&self.bounds(), exit).bound;
+        let mouth = mouth_of(&Self::bounds(), exit).bound;
         let is_out = |cell: &[i32; D]| match exit.sign {
             Sign::Positive => f64::from(cell[exit.axis] + 1) >= mouth - around.min()[exit.axis],
             Sign::Negative => f64::from(cell[exit.axis]) <= mouth - around.max()[exit.axis],
@@ -124,7 +124,7 @@ impl<const D: usize> UnionScene<D> {
         let mut solids = Solids::default();
         self.solids.iter().for_each(|solid| solids.push_box(*solid, &budget).unwrap());
         let (boxes, around, exit) = (&self.body[..], self.around(), self.exit);
-        let cavity = UnionInCavity { boxes, around, bounds: self.bounds(), exit };
+        let cavity = UnionInCavity { boxes, around, bounds: Self::bounds(), exit };
         let mut channels = Vec::new();
         solids.channels_for_union(&cavity, &budget, &mut channels).unwrap();
         let room = cavity.room().expect("there is room");
@@ -138,7 +138,7 @@ impl<const D: usize> UnionScene<D> {
         let travelled: Vec<_> = route.iter().map(|channel| channels[*channel]).collect();
         let (mut chain, mut path) = (Chain::default(), DisassemblyPath::default());
         chain.build(&travelled, &around.center(), end, &budget).expect("a chain");
-        chain.set_mouth(mouth_of(&self.bounds(), exit));
+        chain.set_mouth(mouth_of(&Self::bounds(), exit));
         disassemble(&chain, &around, gap, &mut path, &budget).expect("a path");
         Ok(path)
     }
