@@ -14,6 +14,8 @@ use crate::free_space::walls::planar;
 use crate::geometry::clothoid::Clothoid;
 use crate::geometry::{Sign, Vector, rotated, unit};
 use crate::motion::{Curve, bend_of, wrapped};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// By how much the clearance over a clothoid may be too small, as a part of its length and the reach of
@@ -63,6 +65,28 @@ struct ClothoidPiece {
     /// Whether it is known so well that it need not be halved.
     is_final: bool,
 }
+
+/// The nearest is greatest; of those as near, the first.
+impl Ord for ClothoidPiece {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_value = other.near.value.total_cmp(&self.near.value);
+        by_value.then(other.ends[0].total_cmp(&self.ends[0]))
+    }
+}
+
+impl PartialOrd for ClothoidPiece {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for ClothoidPiece {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for ClothoidPiece {}
 
 impl PlacedClothoid {
     /// That of a curve, if it is one.
@@ -143,7 +167,7 @@ impl PlacedClothoid {
         mut look: impl FnMut(&Curve<2>, f64) -> Result<Clearance<2>, Spent>,
     ) -> Result<Clearance<2>, Spent> {
         let precision = 0.5 * PRECISION * (self.length + reach);
-        let mut open: Vec<ClothoidPiece> = Vec::new();
+        let mut open: BinaryHeap<ClothoidPiece> = BinaryHeap::new();
         let mut next = [Some(([0.0, 1.0], 0)), None];
         loop {
             for (ends, depth) in next.into_iter().flatten() {
@@ -160,18 +184,13 @@ impl PlacedClothoid {
                     open.push(ClothoidPiece { ends, depth, near, is_final });
                 }
             }
-            // The nearest decides; of those as near, the first.
-            let order = |one: &&ClothoidPiece, other: &&ClothoidPiece| {
-                let [one, other] = [one, other].map(|piece| (piece.near.value, piece.ends[0]));
-                one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))
-            };
-            let Some(nearest) = open.iter().min_by(order).copied() else {
+            // The nearest decides.
+            let Some(nearest) = open.pop() else {
                 return Ok(Clearance { value: most, at: 0.0, wall: Vector::zeros() });
             };
             if nearest.is_final {
                 return Ok(nearest.near);
             }
-            open.retain(|piece| piece.ends != nearest.ends);
             let ClothoidPiece { ends: [low, high], depth, .. } = nearest;
             let middle = 0.5 * (low + high);
             next = [[low, middle], [middle, high]].map(|ends| Some((ends, depth + 1)));
