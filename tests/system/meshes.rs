@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use integration_tests::{Ended, TestDomain};
+use mesh::Block;
 use serde_json::{Value, json};
 
 type Corner = [f64; 3];
@@ -11,25 +12,12 @@ type Corner = [f64; 3];
 fn stl(boxes: &[[Corner; 2]]) -> String {
     let mut text = String::from("solid part\n");
     for &[min, max] in boxes {
-        for axis in 0..3 {
-            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-            for (across, upper) in [(min[axis], false), (max[axis], true)] {
-                let corner = |at_u: f64, at_v: f64| {
-                    let mut corner = [across; 3];
-                    (corner[u], corner[v]) = (at_u, at_v);
-                    corner
-                };
-                let [a, c] = [corner(min[u], min[v]), corner(max[u], max[v])];
-                let [b, d] = [corner(max[u], min[v]), corner(min[u], max[v])];
-                let [b, d] = if upper { [b, d] } else { [d, b] };
-                for triangle in [[a, b, c], [a, c, d]] {
-                    text.push_str("facet normal 0 0 0\nouter loop\n");
-                    for [x, y, z] in triangle {
-                        _ = writeln!(text, "vertex {} {} {}", x * 1000.0, y * 1000.0, z * 1000.0);
-                    }
-                    text.push_str("endloop\nendfacet\n");
-                }
+        for triangle in (Block { min, max }).surface() {
+            text.push_str("facet normal 0 0 0\nouter loop\n");
+            for [x, y, z] in triangle {
+                _ = writeln!(text, "vertex {} {} {}", x * 1000.0, y * 1000.0, z * 1000.0);
             }
+            text.push_str("endloop\nendfacet\n");
         }
     }
     text + "endsolid part\n"

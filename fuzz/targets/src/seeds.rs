@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use ::mesh::Block;
 use ::recording::{Options, Writer};
 use schemas::codec;
 use schemas::convert::{self, CellWriter, Certificate, PartSink};
@@ -297,7 +298,11 @@ pub(crate) fn floor_plan() -> Seeds {
 /// Meshes: boxes, one above the other, as text and binary.
 pub(crate) fn mesh() -> Seeds {
     let boxes = [([0.0, 0.0, 0.0], [12.5, 40.0, 30.0]), ([4.0, 10.0, 20.0], [8.0, 20.0, 50.0])];
-    let corners: Vec<[[f32; 3]; 3]> = boxes.into_iter().flat_map(surface).collect();
+    let corners: Vec<_> = boxes
+        .into_iter()
+        .flat_map(|(min, max)| Block { min, max }.surface())
+        .map(|triangle| triangle.map(|corner| corner.map(|number| number as f32)))
+        .collect();
     let mut text = "solid steps\n".to_owned();
     let mut binary = [&[0; 80][..], &(corners.len() as u32).to_le_bytes()].concat();
     for triangle in &corners {
@@ -312,24 +317,4 @@ pub(crate) fn mesh() -> Seeds {
     }
     text += "endsolid steps\n";
     vec![("binary".to_owned(), binary), ("text".to_owned(), text.into_bytes())]
-}
-
-/// The two triangles of each side of a box, seen from outside.
-fn surface((min, max): ([f32; 3], [f32; 3])) -> Vec<[[f32; 3]; 3]> {
-    let mut triangles = Vec::new();
-    for axis in 0..3 {
-        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-        for (across, upper) in [(min[axis], false), (max[axis], true)] {
-            let corner = |at_u: f32, at_v: f32| {
-                let mut corner = [across; 3];
-                (corner[u], corner[v]) = (at_u, at_v);
-                corner
-            };
-            let [a, c] = [corner(min[u], min[v]), corner(max[u], max[v])];
-            let [b, d] = [corner(max[u], min[v]), corner(min[u], max[v])];
-            let [b, d] = if upper { [b, d] } else { [d, b] };
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    triangles
 }

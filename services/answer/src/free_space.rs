@@ -8,6 +8,5 @@ mod space;
 mod take;
 
 pub(crate) use explain::{Explain, closed_to_union};
-pub(crate) use made::Cut;
 pub(crate) use source::{Buffers, Source, floor_walls, given_channels};
 pub(crate) use space::{FreeSpace, Outlines};

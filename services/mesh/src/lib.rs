@@ -23,6 +23,28 @@ pub struct Block {
     pub max: [f64; 3],
 }
 
+impl Block {
+    /// The triangles of its sides, two for each, as [`blocks`] reads them.
+    pub fn surface(&self) -> [[[f64; 3]; 3]; 12] {
+        let mut triangles = [[[0.0; 3]; 3]; 12];
+        let sides = (0..3).flat_map(|axis| [(axis, false), (axis, true)]);
+        for ((axis, is_upper), pair) in sides.zip(triangles.chunks_exact_mut(2)) {
+            let [u, v] = faces::beside(axis);
+            let corner = |u_end: &[f64; 3], v_end: &[f64; 3]| {
+                let mut corner = if is_upper { self.max } else { self.min };
+                (corner[u], corner[v]) = (u_end[u], v_end[v]);
+                corner
+            };
+            let (min, max) = (&self.min, &self.max);
+            let [a, c] = [corner(min, min), corner(max, max)];
+            let [b, d] = [corner(max, min), corner(min, max)];
+            let [b, d] = if is_upper { [b, d] } else { [d, b] };
+            pair.copy_from_slice(&[[a, b, c], [a, c, d]]);
+        }
+        triangles
+    }
+}
+
 /// What a file's numbers are; STL does not say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Unit {

@@ -9,28 +9,11 @@ use proptest::prelude::*;
 type Corners = [[f64; 3]; 3];
 type Cell = [i32; 3];
 
-/// The two triangles of a box's side across `axis`, seen from outside; cut along either diagonal.
+/// The two triangles of a box's side across `axis`, cut along either diagonal.
 fn side(block: &Block, axis: usize, upper: bool, flipped: bool) -> [Corners; 2] {
-    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-    let corner = |at_u: bool, at_v: bool| {
-        let mut corner = [0.0; 3];
-        for (axis, upper) in [(axis, upper), (u, at_u), (v, at_v)] {
-            corner[axis] = if upper { block.max[axis] } else { block.min[axis] };
-        }
-        corner
-    };
-    let mut round =
-        [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
-    if !upper {
-        round.reverse();
-    }
-    let [a, b, c, d] = round;
+    let at = 4 * axis + 2 * usize::from(upper);
+    let [[a, b, c], [_, _, d]] = [block.surface()[at], block.surface()[at + 1]];
     if flipped { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] }
-}
-
-fn surface(block: &Block) -> Vec<Corners> {
-    let sides = [0, 1, 2].into_iter().flat_map(|axis| [(axis, false), (axis, true)]);
-    sides.flat_map(|(axis, upper)| side(block, axis, upper, axis == 1)).collect()
 }
 
 fn block(min: [f64; 3], max: [f64; 3]) -> Block {
@@ -46,33 +29,33 @@ fn volume(blocks: &[Block]) -> f64 {
 #[test]
 fn a_box_is_one_box() {
     let whole = block([-1.0, 0.0, 2.0], [1.5, 0.25, 7.0]);
-    assert_eq!(blocks(&surface(&whole)).unwrap(), [whole]);
+    assert_eq!(blocks(&whole.surface()).unwrap(), [whole]);
 }
 
 #[test]
 fn shells_that_overlap_are_one_union() {
     let [one, other] = [block([0.0; 3], [2.0; 3]), block([1.0; 3], [3.0; 3])];
-    let union = blocks(&[surface(&one), surface(&other)].concat()).unwrap();
+    let union = blocks(&[one.surface(), other.surface()].concat()).unwrap();
     assert_eq!(volume(&union), 8.0 + 8.0 - 1.0);
 }
 
 #[test]
 fn a_shell_turned_inwards_is_a_cavity() {
-    let hole = surface(&block([1.0; 3], [2.0; 3])).into_iter().map(|[a, b, c]| [a, c, b]);
-    let hollow: Vec<_> = surface(&block([0.0; 3], [3.0; 3])).into_iter().chain(hole).collect();
+    let hole = block([1.0; 3], [2.0; 3]).surface().into_iter().map(|[a, b, c]| [a, c, b]);
+    let hollow: Vec<_> = block([0.0; 3], [3.0; 3]).surface().into_iter().chain(hole).collect();
     assert_eq!(volume(&blocks(&hollow).unwrap()), 26.0);
 }
 
 #[test]
 fn what_is_no_union_of_boxes_is_refused() {
-    let whole = surface(&block([0.0; 3], [1.0, 2.0, 3.0]));
+    let whole = block([0.0; 3], [1.0, 2.0, 3.0]).surface();
     let open = blocks(&whole[1..]);
     assert!(matches!(open, Err(MeshError::Open { .. })), "{open:?}");
-    let mut turned = whole.clone();
+    let mut turned = whole;
     turned[4].swap(0, 1);
     let turned = blocks(&turned);
     assert!(matches!(turned, Err(MeshError::Open { .. })), "{turned:?}");
-    let mut slanted = whole.clone();
+    let mut slanted = whole;
     slanted[3][0][0] += 0.5;
     slanted[3][0][1] += 0.25;
     slanted[3][0][2] += 0.25;
@@ -93,7 +76,7 @@ fn what_is_no_union_of_boxes_is_refused() {
 #[test]
 fn too_many_cells_are_refused() {
     let steps: Vec<_> =
-        (0..300).map(f64::from).flat_map(|at| surface(&block([at; 3], [at + 0.5; 3]))).collect();
+        (0..300).map(f64::from).flat_map(|at| block([at; 3], [at + 0.5; 3]).surface()).collect();
     let refused = blocks(&steps).unwrap_err();
     assert!(matches!(refused, MeshError::TooFine { counts: [600, 600, 600], .. }), "{refused}");
 }
@@ -127,7 +110,7 @@ fn write(triangles: &[Corners], name: &str) -> (tempfile::TempDir, std::path::Pa
 fn files_mean_the_decimal_numbers_that_were_written() {
     let drawn = block([0.0; 3], [12.5, 0.1, 30.7]);
     for name in ["text.stl", "binary.stl"] {
-        let (_folder, path) = write(&surface(&drawn), name);
+        let (_folder, path) = write(&drawn.surface(), name);
         assert_eq!(read(&path, Unit::Metre).unwrap(), [drawn], "{name}");
         let millimetres = block([0.0; 3], [0.0125, 0.0001, 0.0307]);
         assert_eq!(read(&path, Unit::Millimetre).unwrap(), [millimetres], "{name}");
@@ -137,7 +120,7 @@ fn files_mean_the_decimal_numbers_that_were_written() {
 #[test]
 fn a_binary_file_may_begin_as_text_does() {
     let drawn = block([0.0; 3], [1.0; 3]);
-    let (_folder, path) = write(&surface(&drawn), "binary.stl");
+    let (_folder, path) = write(&drawn.surface(), "binary.stl");
     let mut bytes = std::fs::read(&path).unwrap();
     bytes[..6].copy_from_slice(b"solid ");
     std::fs::write(&path, &bytes).unwrap();

@@ -32,12 +32,7 @@ struct FreeSpaceSketch<'a> {
 #[serde(deny_unknown_fields)]
 struct MeshFile {
     mesh: PathBuf,
-    #[serde(default = "metres")]
-    unit: String,
-}
-
-fn metres() -> String {
-    "m".to_owned()
+    unit: Option<String>,
 }
 
 /// The text of a scene with boxes in place of its meshes, whose files are named from `folder`.
@@ -77,7 +72,8 @@ fn boxes_of(value: &str, folder: &Path) -> Result<Option<String>, String> {
         _ => return Ok(None),
     }
     let read: MeshFile = serde_json::from_str(value).map_err(|error| error.to_string())?;
-    let unit: Unit = read.unit.parse().map_err(|error: MeshError| error.to_string())?;
+    let unit = read.unit.map_or(Ok(Unit::default()), |unit| unit.parse());
+    let unit = unit.map_err(|error: MeshError| error.to_string())?;
     let path = folder.join(&read.mesh);
     let blocks = mesh::read(&path, unit);
     let blocks = blocks.map_err(|error| format!("{}: {error}", path.display()))?;

@@ -13,7 +13,7 @@ use super::frames::Ends;
 use super::slide::Slide;
 use crate::answers::{Pace, Resources};
 use crate::check;
-use crate::free_space::{Cut, Explain, FreeSpace, Source, closed_to_union};
+use crate::free_space::{Explain, FreeSpace, Source, closed_to_union};
 use crate::refuse::{Axes, Refused};
 use crate::scene::Scene;
 use crate::wish::Wishes;
@@ -68,19 +68,18 @@ impl<'a, const D: usize> Terms<'a, D> {
         resources: &mut Resources<'_>,
     ) -> Result<FreeSpace<'a, D>, Refused> {
         let axes = &self.axes;
-        let cavity = |cut: &Cut<'a, D>| {
-            cut.cavity(bounds, exit).ok_or_else(|| {
+        let is_union = self.body.is_union();
+        let space = source.open(|cut| {
+            if is_union {
+                let boxes = narrower_boxes(&self.body, bounds);
+                return cut.make_for_union((&boxes, *bounds), exit, axes, resources);
+            }
+            let cavity = cut.cavity(bounds, exit).ok_or_else(|| {
                 let message = "free_space.solids enclose no cavity";
                 Refusal::invalid("free_space.solids", message)
-            })
-        };
-        let is_union = self.body.is_union();
-        let space = if is_union {
-            let boxes = narrower_boxes(&self.body, bounds);
-            source.open_for_union((&boxes, *bounds), exit, axes, resources)
-        } else {
-            source.open(cavity, bounds.size(), resources)
-        };
+            })?;
+            cut.make(cavity, bounds.size(), resources)
+        });
         let space = space.map_err(Refused::whole)?;
         let (Source::Solids(cut), FreeSpace::Made(made)) = (source, &space) else {
             return Ok(space);

@@ -71,7 +71,7 @@ impl<const D: usize> Cut<'_, D> {
 
     /// Makes channels for the bounds of a union of boxes. Refuses it where it overlaps a solid, or
     /// reaches out of the bounds.
-    pub(super) fn make_for_union(
+    pub(crate) fn make_for_union(
         &mut self,
         (boxes, around): (&[AxisBox<D>], AxisBox<D>),
         exit: Direction,
@@ -110,7 +110,7 @@ impl<const D: usize> Cut<'_, D> {
     }
 
     /// Makes channels: all maximal boxes within `bounds` that are larger than `room` (metres).
-    pub(super) fn make(
+    pub(crate) fn make(
         &mut self,
         bounds: AxisBox<D>,
         room: Vector<D>,

@@ -9,7 +9,7 @@ use planning::free_space::walls::{Complement, Wall, Walls};
 use planning::geometry::{AxisBox, Direction, HalfSpace, Vector};
 use schemas::message::{self, Refusal, Solid};
 
-use super::made::Cut;
+use super::made::{Cut, Made};
 use super::space::{Around, FreeSpace, Outlines, complement_of};
 use super::take::{Pieces, Surfaces, TakeSolids, take_all};
 use crate::answers::Resources;
@@ -104,38 +104,15 @@ impl<'a, const D: usize> Source<'a, D> {
         Ok(Self::Solids(Cut { solids, made, walls, bounds }))
     }
 
-    /// The free space for a union of boxes, within these bounds of it: as given, or made.
-    pub(crate) fn open_for_union(
-        &mut self,
-        body: (&[AxisBox<D>], AxisBox<D>),
-        exit: Direction,
-        axes: &Axes,
-        resources: &mut Resources<'_>,
-    ) -> Result<FreeSpace<'a, D>, Refused> {
-        match self {
-            Self::Channels(space) => Ok(space.clone()),
-            Self::Outlines(outlines) => Ok(FreeSpace::Outlines(outlines.clone())),
-            Self::Solids(cut) => {
-                cut.make_for_union(body, exit, axes, resources).map(FreeSpace::Made)
-            }
-        }
-    }
-
-    /// The free space: as given, or made within the bounds that `within` finds, for a body of
-    /// this size (metres).
+    /// The free space: as given, or as `make` makes it.
     pub(crate) fn open(
         &mut self,
-        within: impl FnOnce(&Cut<'a, D>) -> Result<AxisBox<D>, Refusal>,
-        room: Vector<D>,
-        resources: &mut Resources<'_>,
+        make: impl FnOnce(&mut Cut<'a, D>) -> Result<Made<D>, Refused>,
     ) -> Result<FreeSpace<'a, D>, Refused> {
         match self {
             Self::Channels(space) => Ok(space.clone()),
             Self::Outlines(outlines) => Ok(FreeSpace::Outlines(outlines.clone())),
-            Self::Solids(cut) => {
-                let bounds = within(cut)?;
-                cut.make(bounds, room, resources).map(FreeSpace::Made)
-            }
+            Self::Solids(cut) => make(cut).map(FreeSpace::Made),
         }
     }
 }

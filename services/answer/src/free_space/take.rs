@@ -1,6 +1,6 @@
 //! Taking in a request's solids: as walls, or cut into boxes.
 
-use planning::budget::Budget;
+use planning::budget::{Budget, Spent};
 use planning::free_space::solids::{Solids, SolidsError};
 use planning::free_space::walls::Walls;
 use planning::geometry::{AxisBox, Vector};
@@ -46,12 +46,27 @@ pub(crate) struct Pieces<'a, const D: usize> {
     pub(crate) budget: &'a Budget<'a>,
 }
 
-impl TakeSolids<2> for Surfaces<'_, 2> {
-    fn take_box(&mut self, solid: &AxisBox<2>, goes_on: bool) -> Result<(), Refused> {
+impl<const D: usize> Surfaces<'_, D> {
+    fn push(&mut self, solid: &AxisBox<D>, goes_on: bool) {
         match goes_on {
             true => self.walls.push_more(solid),
             false => self.walls.push_box(solid),
         }
+    }
+}
+
+impl<const D: usize> Pieces<'_, D> {
+    fn push(&mut self, solid: &AxisBox<D>, goes_on: bool) -> Result<(), Spent> {
+        match goes_on {
+            true => self.solids.push_more(*solid, self.budget),
+            false => self.solids.push_box(*solid, self.budget),
+        }
+    }
+}
+
+impl TakeSolids<2> for Surfaces<'_, 2> {
+    fn take_box(&mut self, solid: &AxisBox<2>, goes_on: bool) -> Result<(), Refused> {
+        self.push(solid, goes_on);
         Ok(())
     }
 
@@ -76,10 +91,7 @@ impl TakeSolids<2> for Surfaces<'_, 2> {
 
 impl TakeSolids<3> for Surfaces<'_, 3> {
     fn take_box(&mut self, solid: &AxisBox<3>, goes_on: bool) -> Result<(), Refused> {
-        match goes_on {
-            true => self.walls.push_more(solid),
-            false => self.walls.push_box(solid),
-        }
+        self.push(solid, goes_on);
         Ok(())
     }
 
@@ -98,11 +110,7 @@ impl TakeSolids<3> for Surfaces<'_, 3> {
 
 impl TakeSolids<2> for Pieces<'_, 2> {
     fn take_box(&mut self, solid: &AxisBox<2>, goes_on: bool) -> Result<(), Refused> {
-        match goes_on {
-            true => self.solids.push_more(*solid, self.budget)?,
-            false => self.solids.push_box(*solid, self.budget)?,
-        }
-        Ok(())
+        Ok(self.push(solid, goes_on)?)
     }
 
     fn take_polygon(
@@ -126,11 +134,7 @@ impl TakeSolids<2> for Pieces<'_, 2> {
 
 impl TakeSolids<3> for Pieces<'_, 3> {
     fn take_box(&mut self, solid: &AxisBox<3>, goes_on: bool) -> Result<(), Refused> {
-        match goes_on {
-            true => self.solids.push_more(*solid, self.budget)?,
-            false => self.solids.push_box(*solid, self.budget)?,
-        }
-        Ok(())
+        Ok(self.push(solid, goes_on)?)
     }
 
     fn take_polygon(

@@ -76,10 +76,7 @@ impl Pending {
                 Ok(Some(reply)) => return Ok(reply),
                 // It was sent again, or parts come so fast that nothing else ended this.
                 Ok(None) if Instant::now() < until => {}
-                Ok(None) => {
-                    return Err(CallError::TimedOut { waited: begin.elapsed(), limit }.into());
-                }
-                Err(Error::Call(CallError::TimedOut { .. })) => {
+                Ok(None) | Err(Error::Call(CallError::TimedOut { .. })) => {
                     return Err(CallError::TimedOut { waited: begin.elapsed(), limit }.into());
                 }
                 Err(error) => return Err(error),
@@ -103,8 +100,7 @@ impl Pending {
             match taken {
                 Ok((_, Some(reply))) => break reply,
                 Ok((true, None)) if until.is_none_or(|until| Instant::now() < until) => {}
-                Ok((true, None)) => return Ok(None),
-                Ok((false, None)) => return Ok(None),
+                Ok((_, None)) => return Ok(None),
                 // The end of an earlier client's request can end this one: nobody saw it.
                 Err(CallError::GivenUp) if self.gatherer.is_empty() => {
                     self.send_again()?;

@@ -57,7 +57,7 @@ pub fn shortest_way<const D: usize>(
 ) -> Result<ShortestWay<D>, Spent> {
     let start = Vector::zeros();
     let gates = gates(chain, body, goal, path);
-    let Tour { mut bends, bound, .. } = shortest_tour(&start, &gates, budget)?;
+    let Tour { mut bends, bound } = shortest_tour(&start, &gates, budget)?;
     let last = bends.len().checked_sub(2).map_or(start, |before| bends[before].1);
     if let (Some((_, end)), Some(mouth), None) = (bends.last_mut(), chain.mouth(), goal) {
         // Straight out.

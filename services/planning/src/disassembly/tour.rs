@@ -67,8 +67,6 @@ pub(super) struct Gate<const D: usize> {
 pub(super) struct Tour<const D: usize> {
     /// Where it bends, and where it ends: the gate, and the place in it.
     pub(super) bends: Vec<(usize, Vector<D>)>,
-    /// Metres.
-    pub(super) length: f64,
     /// No way is shorter, metres.
     pub(super) bound: f64,
 }
@@ -83,7 +81,7 @@ pub(super) fn shortest_tour<const D: usize>(
     let unit = gates.iter().map(reach).fold(0.0, f64::max);
     if unit <= 0.0 {
         let bends = gates.last().map(|_| (gates.len() - 1, *start));
-        return Ok(Tour { bends: bends.into_iter().collect(), length: 0.0, bound: 0.0 });
+        return Ok(Tour { bends: bends.into_iter().collect(), bound: 0.0 });
     }
     let bytes = gates.len().saturating_mul(BYTES_PER_GATE);
     budget.hold(bytes)?;
@@ -300,7 +298,7 @@ impl<const D: usize> Descent<D> {
         let directions: Vec<Vector<D>> = self.legs.iter().map(|leg| leg.0).collect();
         let bound = bound(start, &directions, gates);
         let bound = bound.max(self.bound_of(start, &bends, gates, directions));
-        Tour { bends, length, bound: bound.min(length) }
+        Tour { bends, bound: bound.min(length) }
     }
 
     /// Where a way-point is in metres, on the sides that hold it; and how many do.

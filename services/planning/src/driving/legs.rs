@@ -41,8 +41,8 @@ pub(crate) fn write<'a>(
     for (line, circle) in lines {
         let next = libm::atan2(line.direction.y, line.direction.x);
         let has_line = line.length > NO_LINE;
-        let has_arc = circle.is_some_and(|circle| circle.sweep != Some(0.0));
-        if !has_line && !has_arc && circle.is_some() && turns_about.is_none() {
+        let stays = !has_line && circle.is_some_and(|circle| circle.sweep == Some(0.0));
+        if stays && turns_about.is_none() {
             // It sets out on the next line.
             continue;
         }

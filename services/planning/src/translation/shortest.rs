@@ -84,6 +84,16 @@ struct SumCorner {
     places: [Option<u32>; 2],
 }
 
+impl SumCorner {
+    fn place(&self, side: Side) -> Option<u32> {
+        self.places[usize::from(side != Side::Left)]
+    }
+
+    fn set_place(&mut self, side: Side, place: u32) {
+        self.places[usize::from(side != Side::Left)] = Some(place);
+    }
+}
+
 /// A sum that has been in the way.
 #[derive(Debug)]
 struct KnownSum {
@@ -216,13 +226,9 @@ pub(super) fn shortest(
 }
 
 impl WaySearch<'_, '_, '_> {
-    fn place_at(&mut self, corner: u32, side: Side) -> &mut Option<u32> {
-        &mut self.corners[corner as usize].places[usize::from(side != Side::Left)]
-    }
-
     fn is_beaten(&self, target: LineEnd, length: f64) -> bool {
         let LineEnd::Vertex { corner, side, .. } = target else { return false };
-        let place = self.corners[corner as usize].places[usize::from(side != Side::Left)];
+        let place = self.corners[corner as usize].place(side);
         place.is_some_and(|place| self.places[place as usize].length <= length)
     }
 
@@ -247,7 +253,7 @@ impl WaySearch<'_, '_, '_> {
             before,
             ahead: Vec::new(),
         };
-        let index = match *self.place_at(corner, side) {
+        let index = match self.corners[corner as usize].place(side) {
             Some(index) => {
                 self.places[index as usize] = place;
                 index as usize
@@ -256,7 +262,7 @@ impl WaySearch<'_, '_, '_> {
                 self.take(BYTES_PER_PLACE)?;
                 self.places.push(place);
                 let index = self.places.len() - 1;
-                *self.place_at(corner, side) = Some(named(index));
+                self.corners[corner as usize].set_place(side, named(index));
                 index
             }
         };
