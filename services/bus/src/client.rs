@@ -43,7 +43,7 @@ type Port = iceoryx2::port::client::Client<Shared, [u64], RequestHeader, [u64], 
 const ENDING: Duration = Duration::from_millis(50);
 
 /// How long a client that leaves waits until its last requests are taken.
-const LEAVING: Duration = Duration::from_secs(1);
+const LEAVING: Duration = Duration::from_secs(3);
 
 /// How long the places of clients that died stay taken while a planner lives, mostly.
 const CLEARED: Duration = Duration::from_secs(3);
@@ -350,8 +350,11 @@ impl Drop for Connection {
         request.user_header_mut().set(header);
         let Ok(farewell) = request.write_from_slice(&[]).send() else { return };
         self.ring();
+        // Another than the last reply came from may serve by now, and have it.
+        let planner = planner_of(&self.plan);
+        let has_ended = || planner.as_ref().is_some_and(Process::has_ended);
         let until = Instant::now() + LEAVING;
-        while farewell.is_connected() && Instant::now() < until && !self.has_planner_ended() {
+        while farewell.is_connected() && Instant::now() < until && !has_ended() {
             std::thread::sleep(Duration::from_micros(200));
         }
     }

@@ -25,12 +25,14 @@ const PATIENCE: Duration = Duration::from_millis(20);
 static CLEARING: Mutex<()> = Mutex::new(());
 
 /// Clears away what died, if anything has and it is up to `role`: else it costs about 3 µs for each
-/// that lives.
-pub(crate) fn sweep(chosen: Option<&Path>, site: &Site, role: &str) {
+/// that lives. `before` is called when it is known who died.
+pub(crate) fn sweep(chosen: Option<&Path>, site: &Site, role: &str, before: impl FnOnce()) {
     if is_up_to(role, site)
         && let Ok(Some(_root)) = Root::lock(chosen, false, PATIENCE)
+        // A planner may have started meanwhile.
+        && is_up_to(role, site)
     {
-        clear(site);
+        clear(site, before);
     }
 }
 
@@ -79,12 +81,14 @@ pub(crate) fn is_deserted(site: &Site) -> bool {
     listed.is_ok() && !alive
 }
 
-/// Clears away what died, under the lock of the root: nobody joins meanwhile.
-pub(crate) fn clear(site: &Site) {
+/// Clears away what died, under the lock of the root: nobody joins meanwhile. `before` is called
+/// when it is known who died.
+pub(crate) fn clear(site: &Site, before: impl FnOnce()) {
     let _alone = CLEARING.lock().unwrap_or_else(PoisonError::into_inner);
     let visitors: Vec<_> = presence::visitors(site).collect();
     let mut living = presence::living(&visitors);
     let Some(dead) = dead_nodes(site, &mut living) else { return };
+    before();
     remove_half_made(site, &living);
     if !dead.into_iter().all(|node| take_out(site, node)) {
         return;

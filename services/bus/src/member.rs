@@ -51,14 +51,14 @@ impl<S: Service> Member<S> {
     /// Clears away programs that died in the domain, if there are any and no planner does it.
     /// Cheap if there are none.
     pub(crate) fn sweep(&self) {
-        let Stay { domain, role, site, .. } = &self.stay;
-        site.renew();
-        janitor::sweep(domain.chosen_root(), site, role);
+        self.sweep_after(|| {});
     }
 
-    /// Whether anybody has died in the domain and is not cleared away.
-    pub(crate) fn has_dead(&self) -> bool {
-        janitor::has_dead(&self.stay.site)
+    /// The same; `before` is called when it is known who died, before they are taken out.
+    pub(crate) fn sweep_after(&self, before: impl FnOnce()) {
+        let Stay { domain, role, site, .. } = &self.stay;
+        site.renew();
+        janitor::sweep(domain.chosen_root(), site, role, before);
     }
 
     /// Takes all memory of the files that this process has made in the domain.
@@ -126,7 +126,7 @@ impl Domain {
             Some(site) => {
                 site.furnish().map_err(|error| failed(error.into()))?;
                 if janitor::is_up_to(role, &site) {
-                    janitor::clear(&site);
+                    janitor::clear(&site, || {});
                 }
                 site
             }

@@ -2,6 +2,7 @@
 
 mod copy;
 mod deaths;
+mod inbox;
 mod reply;
 mod ringer;
 mod waker;
@@ -10,13 +11,11 @@ pub use reply::{ClientWatch, Incoming, ReplySink};
 pub use waker::Waker;
 
 use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::os::fd::AsFd;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
-use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{CallbackProgression, PortFactory, ipc};
 use iceoryx2::service::port_factory::server::ServerCreateError;
 use schemas::message::Digest;
@@ -25,19 +24,20 @@ use schemas::wire;
 use crate::cause::Cause;
 use crate::domain::Domain;
 use crate::error::OpenError;
-use crate::headers::{Current, UserHeader, Version};
+use crate::headers::Current;
 use crate::ledger::Ledger;
 use crate::member::Member;
 use crate::memory;
 use crate::options::ServerOptions;
-use crate::ports::{self, PlanRequest, PlanServer};
+use crate::ports;
 use crate::presence::Visitor;
 use crate::previous::Previous;
 use crate::status::StatusWriter;
 use crate::tap::TapWriter;
 use crate::wait::{self, Wait, Woken};
 use deaths::Deaths;
-use reply::{Active, Desk};
+use inbox::Inbox;
+use reply::Desk;
 use ringer::Ringer;
 
 /// Takes requests and answers them, in the current and the previous version of the messages.
@@ -72,19 +72,11 @@ use ringer::Ringer;
 /// ```
 #[derive(Debug)]
 pub struct Server {
-    // Fields are dropped in this order. Whoever finds a planner of the previous version
-    // only takes it for an older one: that port is opened last and closed first.
-    previous: PlanServer<Previous>,
-    current: PlanServer<Current>,
-    /// Whose turn it is, so that neither version starves the other.
-    previous_first: bool,
+    // Fields are dropped in this order.
+    inbox: Inbox,
     /// None if the planner polls.
     bell: Option<Listener<ipc::Service>>,
     plans: (ports::Plan<Previous>, ports::Plan<Current>),
-    /// Requests that were taken before it was their turn.
-    backlog: VecDeque<Incoming>,
-    /// Whether there was a request the last time.
-    busy: bool,
     desk: Rc<RefCell<Desk>>,
     waker: Waker,
     deaths: Deaths,
@@ -166,21 +158,18 @@ impl Server {
             old: Vec::new(),
             spare: reply::Spare::default(),
         };
+        let desk = Rc::new(RefCell::new(desk));
         let waker = Waker::new().map_err(|error| OpenError::System(error.to_string()))?;
         let status = StatusWriter::create(&status).map_err(failed(STATUS))?;
         if options.reserve {
             node.take_memory()?;
         }
         Ok(Self {
-            previous,
-            current,
-            previous_first: false,
+            inbox: Inbox::new(previous, current, Rc::clone(&desk)),
             bell,
             plans: (previous_plan, current_plan),
-            backlog: VecDeque::new(),
-            busy: false,
             status,
-            desk: Rc::new(RefCell::new(desk)),
+            desk,
             waker,
             deaths: Deaths::default(),
             _wake: wake,
@@ -198,57 +187,24 @@ impl Server {
         if self.sweep_due {
             self.sweep();
         }
-        loop {
-            // iceoryx2 looks at its clients in the same order each time, so that the last would
-            // wait for ever while the first keep asking: whoever waits now comes before those.
-            if self.backlog.is_empty() && self.busy {
-                self.take_all();
-            }
-            let incoming = self.backlog.pop_front().or_else(|| self.take());
-            self.busy = incoming.is_some();
-            if incoming.as_ref().is_none_or(Incoming::is_waiting) {
-                return incoming;
-            }
-        }
+        self.inbox.receive()
     }
 
-    /// Takes what waits in shared memory, which clients can't make endless: each has a few requests
-    /// open at a time.
-    fn take_all(&mut self) {
-        while let Some(incoming) = self.take() {
-            self.backlog.push_back(incoming);
-        }
-    }
-
-    /// The next request in shared memory.
-    fn take(&mut self) -> Option<Incoming> {
-        let current = || take::<Current>(&self.current).map(Active::Current);
-        let previous = || take::<Previous>(&self.previous).map(Active::Previous);
-        let active = match self.previous_first {
-            true => previous().or_else(current),
-            false => current().or_else(previous),
-        }?;
-        self.previous_first = matches!(active, Active::Current(_));
-        Some(Incoming::new(active, Rc::clone(&self.desk)))
-    }
-
-    /// Learns which clients have left: [`Incoming::is_waiting`] is false for theirs then.
+    /// Clears away the peers that died, if it is time, and learns which clients have left:
+    /// [`Incoming::is_waiting`] is false for theirs then.
     ///
     /// While such a request is held, iceoryx2 0.10 can't forget its client; and where it forgets
     /// two others meanwhile, it loses track of that one, whose memory stays mapped for good.
     pub fn see_who_left(&mut self) {
-        // Those that died half connected are of no interest here.
-        let _ = (self.current.update_connections(), self.previous.update_connections());
-        self.backlog.retain(Incoming::is_waiting);
+        if self.sweep_due {
+            self.sweep();
+        }
+        self.inbox.see_who_left();
     }
 
     /// Whether a request waits, or another thread has woken this server.
     pub fn has_work(&self) -> bool {
-        let has_requests = || {
-            self.current.has_requests().unwrap_or(true)
-                || self.previous.has_requests().unwrap_or(true)
-        };
-        self.waker.is_woken() || !self.backlog.is_empty() || has_requests()
+        self.waker.is_woken() || self.inbox.has_requests()
     }
 
     /// Wakes this server from another thread.
@@ -326,11 +282,8 @@ impl Server {
     /// Clears away the peers that died. The dead keep their memory, and a dead recorder keeps the
     /// tap busy, until somebody does.
     pub fn sweep(&mut self) {
-        if self.node.has_dead() {
-            // What iceoryx2 0.10 finds of a client that is gone, it never gives back.
-            self.take_all();
-        }
-        self.node.sweep();
+        // What iceoryx2 0.10 finds of a client that is gone, it never gives back.
+        self.node.sweep_after(|| self.inbox.take_all());
         self.deaths.forget_dead();
         self.desk.borrow().ringer.forget_gone();
         (self.swept, self.sweep_due) = (Instant::now(), false);
@@ -348,33 +301,7 @@ const TAKE_OVER: Duration = Duration::from_millis(300);
 /// How often a planner looks for peers that died: about 0.1 ms for each that lives.
 const SWEEP: Duration = Duration::from_secs(1);
 
-/// Errors in a row after which the others have to wait for another try.
-const ERRORS: u32 = 3;
-
 /// Whether a planner serves.
 fn is_served(plan: &ports::Plan<Current>) -> bool {
     plan.dynamic_config().number_of_servers() > 0
-}
-
-/// The next request of a version.
-fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {
-    // A client that died half connected is an error once; the others go on.
-    let mut errors = 0;
-    while errors < ERRORS {
-        match port.receive() {
-            // Dropping it is the answer.
-            Ok(Some(request)) if is_farewell(&V::upgrade(request.user_header().plain())) => {}
-            Ok(request) => return request,
-            Err(error) => {
-                tracing::warn!(cause = %Cause::from(error), "can't receive from a client");
-                errors += 1;
-            }
-        }
-    }
-    None
-}
-
-/// Whether a client only wants to know that its requests before were taken.
-fn is_farewell(header: &wire::RequestHeader) -> bool {
-    *header == wire::RequestHeader { version: wire::FAREWELL, ..Default::default() }
 }

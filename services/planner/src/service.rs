@@ -207,12 +207,10 @@ impl<'a> Service<'a> {
     /// The next request. Those of clients that have left are given up before; see
     /// [`Server::see_who_left`].
     fn receive(&mut self) -> Option<Incoming> {
-        if !self.in_hand.is_empty() {
-            self.server.see_who_left();
-            let gone = self.in_hand.iter().filter(|(_, request)| !request.incoming.is_waiting());
-            let gone: Vec<_> = gone.map(|(ticket, _)| *ticket).collect();
-            gone.into_iter().for_each(|ticket| self.give_up(ticket, &ReplyError::Gone));
-        }
+        self.server.see_who_left();
+        let gone = self.in_hand.iter().filter(|(_, request)| !request.incoming.is_waiting());
+        let gone: Vec<_> = gone.map(|(ticket, _)| *ticket).collect();
+        gone.into_iter().for_each(|ticket| self.give_up(ticket, &ReplyError::Gone));
         self.server.receive()
     }
 

@@ -4,7 +4,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use bus::{Client, ConnectError, Wait};
+use bus::{Client, ConnectError, Server, ServerOptions, Wait};
 
 use crate::process::Process;
 use crate::support::*;
@@ -46,6 +46,32 @@ fn what_killed_clients_leave_is_removed_by_the_living() {
         std::thread::sleep(Duration::from_millis(10));
     }
     connect(&test.domain, Wait::Event).call(&scene(2, 1), LONG).unwrap();
+}
+
+/// Connections of clients with the planner.
+fn connections(test: &TestDomain) -> usize {
+    let is_one = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "connection");
+    test.files().into_iter().filter(is_one).count()
+}
+
+#[test]
+fn a_client_leaves_nothing_at_a_planner_that_took_over() {
+    let test = TestDomain::new();
+    let first = Process::start("planner", &test);
+    let client = connect(&test.domain, Wait::Event);
+    client.call(&scene(1, 1), LONG).unwrap();
+    first.kill();
+    let mut second = Server::open(&test.domain, &ServerOptions::default()).unwrap();
+    drop(client.send(&scene(2, 1)).unwrap());
+    let left = std::thread::spawn(move || drop(client));
+    // Time to leave too early.
+    std::thread::sleep(Duration::from_millis(100));
+    while !left.is_finished() {
+        second.see_who_left();
+        assert!(second.receive().is_none(), "it was dropped");
+    }
+    second.see_who_left();
+    assert_eq!(connections(&test), 0);
 }
 
 #[test]

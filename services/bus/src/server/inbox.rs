@@ -1,0 +1,117 @@
+//! Requests as they come, in the current and the previous version of the messages.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use iceoryx2::port::update_connections::UpdateConnections;
+use schemas::wire;
+
+use super::reply::{Active, Desk, Incoming};
+use crate::cause::Cause;
+use crate::headers::{Current, UserHeader, Version};
+use crate::ports::{PlanRequest, PlanServer};
+use crate::previous::Previous;
+
+/// Errors in a row after which the others have to wait for another try.
+const ERRORS: u32 = 3;
+
+/// Where requests arrive.
+#[derive(Debug)]
+pub(super) struct Inbox {
+    // Whoever finds a planner of the previous version only takes it for an older one: that port is
+    // opened last and closed first.
+    previous: PlanServer<Previous>,
+    current: PlanServer<Current>,
+    /// Whose turn it is, so that neither version starves the other.
+    previous_first: bool,
+    /// Requests that were taken before it was their turn.
+    backlog: VecDeque<Incoming>,
+    /// Whether there was a request the last time.
+    busy: bool,
+    desk: Rc<RefCell<Desk>>,
+}
+
+impl Inbox {
+    pub(super) fn new(
+        previous: PlanServer<Previous>,
+        current: PlanServer<Current>,
+        desk: Rc<RefCell<Desk>>,
+    ) -> Self {
+        let backlog = VecDeque::new();
+        Self { previous, current, previous_first: false, backlog, busy: false, desk }
+    }
+
+    /// The next request whose client waits.
+    pub(super) fn receive(&mut self) -> Option<Incoming> {
+        loop {
+            // iceoryx2 looks at its clients in the same order each time, so that the last would
+            // wait for ever while the first keep asking: whoever waits now comes before those.
+            if self.backlog.is_empty() && self.busy {
+                self.take_all();
+            }
+            let incoming = self.backlog.pop_front().or_else(|| self.take());
+            self.busy = incoming.is_some();
+            if incoming.as_ref().is_none_or(Incoming::is_waiting) {
+                return incoming;
+            }
+        }
+    }
+
+    /// Whether a request waits.
+    pub(super) fn has_requests(&self) -> bool {
+        !self.backlog.is_empty()
+            || self.current.has_requests().unwrap_or(true)
+            || self.previous.has_requests().unwrap_or(true)
+    }
+
+    /// Takes what waits in shared memory, which clients can't make endless: each has a few requests
+    /// open at a time.
+    pub(super) fn take_all(&mut self) {
+        while let Some(incoming) = self.take() {
+            self.backlog.push_back(incoming);
+        }
+    }
+
+    /// Learns which clients have left, and drops their requests.
+    pub(super) fn see_who_left(&mut self) {
+        // Those that died half connected are of no interest here.
+        let _ = (self.current.update_connections(), self.previous.update_connections());
+        self.backlog.retain(Incoming::is_waiting);
+    }
+
+    /// The next request in shared memory.
+    fn take(&mut self) -> Option<Incoming> {
+        let current = || take::<Current>(&self.current).map(Active::Current);
+        let previous = || take::<Previous>(&self.previous).map(Active::Previous);
+        let active = match self.previous_first {
+            true => previous().or_else(current),
+            false => current().or_else(previous),
+        }?;
+        self.previous_first = matches!(active, Active::Current(_));
+        Some(Incoming::new(active, Rc::clone(&self.desk)))
+    }
+}
+
+/// The next request of a version.
+fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {
+    // A client that died half connected is an error once; the others go on.
+    let mut errors = 0;
+    while errors < ERRORS {
+        match port.receive() {
+            // Dropping it is the answer.
+            Ok(Some(request)) if is_farewell(&V::upgrade(request.user_header().plain())) => {}
+            Ok(request) => return request,
+            Err(error) => {
+                tracing::warn!(cause = %Cause::from(error), "can't receive from a client");
+                errors += 1;
+            }
+        }
+    }
+    None
+}
+
+/// Whether a client only wants to know that its requests before were taken.
+fn is_farewell(header: &wire::RequestHeader) -> bool {
+    *header == wire::RequestHeader { version: wire::FAREWELL, ..Default::default() }
+}
