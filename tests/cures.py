@@ -118,6 +118,14 @@ CURES = [
         "what_killed_clients_leave_is_removed_by_the_living",
     ),
     (
+        "farewell",
+        "requests whose client leaves before they are taken keep its memory for ever",
+        "who leaves waits until the planner, whichever serves by then, has taken them",
+        [(BUS + "client.rs", "if !self.dropped.load(Ordering::Relaxed) {", "if true {")],
+        "clearway-bus",
+        "a_client_leaves_nothing_at_a_planner_that_took_over",
+    ),
+    (
         "log",
         "a warning of 10 kB",
         "texts are cut",
