@@ -71,9 +71,9 @@ pub(crate) fn leg<const D: usize>(leg: &Leg<D>, clearance: f64) -> wire::Leg {
         length: leg.curve.length(),
         clearance,
         rung: wire::Leg::rung_code(leg.rung.map(rung)),
-        // Translated parts have no front, and a robot in channels in travel order that turns on
-        // its first line drives as in the paper.
-        reverse: u8::from(leg.rung.is_some() && leg.curve.is_reverse()),
+        // Translated parts have no front. A line on which the robot turns is as its heading, which
+        // is that at its end.
+        reverse: u8::from(leg.rung.is_some() && leg.curve.ends_in_reverse()),
         ..wire::Leg::default()
     };
     match &leg.curve {

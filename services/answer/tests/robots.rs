@@ -1,9 +1,11 @@
 //! What a request says of a robot: what it may do, and what its motion costs.
 
+use std::f64::consts::FRAC_PI_2;
+
 use answer::{Caps, reply_to};
 use schemas::json::read_scene;
 use schemas::message::{
-    Answer, ErrorCode, Refusal, Reply, Request, RequestContent, RequestKey, Trajectory,
+    Answer, Curve, ErrorCode, Leg, Refusal, Reply, Request, RequestContent, RequestKey, Trajectory,
 };
 
 /// Channels in travel order.
@@ -236,6 +238,21 @@ fn free_clearance_is_at_least_what_is_asked() {
         assert!(bound <= found.length * (1.0 + 1e-9), "bound {bound} m, length {} m", found.length);
         assert!(found.legs.iter().all(|leg| leg.rung.is_some() && !leg.reverse), "{found:?}");
     }
+}
+
+/// A robot that faces away at first drives forwards on the line on which it turns.
+#[test]
+fn turning_while_moving_is_not_driving_backwards() {
+    let facing_away = replaced(ANYWHERE, r#""heading": 0 }"#, r#""heading": 3 }"#);
+    let found = trajectory(&with(&facing_away, r#""start_turn": "while_moving""#));
+    let Leg { curve: Curve::Line { from, to, heading, turned }, reverse, .. } = &found.legs[0]
+    else {
+        panic!("{:?}", found.legs[0]);
+    };
+    let [dx, dy] = [0, 1].map(|axis| to.as_slice()[axis] - from.as_slice()[axis]);
+    assert!(turned.abs() > FRAC_PI_2, "{turned}");
+    assert!((dy.atan2(dx) - heading).abs() < 1e-9, "{heading}, ({dx}, {dy})");
+    assert!(!reverse);
 }
 
 #[test]

@@ -225,6 +225,18 @@ impl<const D: usize> Curve<D> {
         }
     }
 
+    /// Whether a robot drives it backwards at its end: on a line on which it turns, it may set out
+    /// otherwise.
+    #[inline]
+    pub fn ends_in_reverse(&self) -> bool {
+        match *self {
+            Self::Line { from, to, heading, .. } => {
+                Self::Line { from, to, heading, turned: 0.0 }.is_reverse()
+            }
+            _ => self.is_reverse(),
+        }
+    }
+
     /// The same poses in reverse order: a line, an arc or a clothoid driven forwards becomes one driven
     /// backwards.
     ///

@@ -355,7 +355,7 @@ impl Stops {
     fn holds_up<const D: usize>(self, curve: &Curve<D>, next: &Curve<D>) -> bool {
         let is_gear_change = match self {
             Self::EveryLeg | Self::AtKinks => false,
-            Self::AtTurns | Self::AtJoints => ends_backwards(curve) != next.is_reverse(),
+            Self::AtTurns | Self::AtJoints => curve.ends_in_reverse() != next.is_reverse(),
         };
         !is_gear_change && !self.passes(curve, next)
     }
@@ -454,17 +454,7 @@ pub(super) fn runs_into<const D: usize>(curve: &Curve<D>, next: &Curve<D>) -> bo
     let turns = matches!(*next, Curve::Line { turned, .. } if turned != 0.0);
     !turns
         && wrapped(next.start_heading() - curve.end_heading()).abs() <= SAME_HEADING
-        && ends_backwards(curve) == next.is_reverse()
-}
-
-/// Whether the body is driven backwards at the end of `curve`.
-fn ends_backwards<const D: usize>(curve: &Curve<D>) -> bool {
-    match *curve {
-        Curve::Line { from, to, heading, .. } => {
-            Curve::Line { from, to, heading, turned: 0.0 }.is_reverse()
-        }
-        _ => curve.is_reverse(),
-    }
+        && curve.ends_in_reverse() == next.is_reverse()
 }
 
 /// A compensated sum (Neumaier): a million legs are timed as accurately as one.
