@@ -8,22 +8,29 @@ Works in this working tree, whose files must be committed, and puts them back.
 """
 
 import argparse
+import itertools
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).parents[1]
 BUS = "services/bus/src/"
 
-# Name; the hazard; the cure; what is changed: file, text, other text; package and test.
+# Where tests are: what cargo is to build.
+LIBRARY = ["-p", "clearway-bus", "--lib"]
+TESTS = ["-p", "clearway-bus", "--test", "bus"]
+SYSTEM = ["--workspace", "--test", "system"]  # its programs have the features of the whole workspace
+
+# Name; the hazard; the cure; what is changed: file, text, other text; where the test is, and its name.
 CURES = [
     (
         "key",
         "a reply reaches a later client in the same place",
         "client and number of the request in every header, compared",
         [(BUS + "client/pending.rs", "        self.key == RequestKey {", "        true || self.key == RequestKey {")],
-        "clearway-bus",
+        LIBRARY,
         "a_reply_to_an_earlier_client_is_dropped",
     ),
     (
@@ -31,7 +38,7 @@ CURES = [
         "the same, and its end",
         "a random number of request ids is used up at the start",
         [(BUS + "client.rs", "for _ in 0..nonce % FIRST_IDS {", "for _ in 0..nonce % FIRST_IDS * 0 {")],
-        "clearway-bus",
+        LIBRARY,
         "different_first_ids_keep_it_from_arriving",
     ),
     (
@@ -42,7 +49,7 @@ CURES = [
             (BUS + "wait.rs", "while bell.try_wait(|_| {}).is_ok_and(|rings| rings != 0) {}", "let _ = bell.try_wait(|_| {});"),
             (BUS + "wait.rs", "for most in [NAP, NET] {", "for most in [NET] {"),
         ],
-        "clearway-bus",
+        LIBRARY,
         "no_wake_up_is_slept_over",
     ),
     (
@@ -50,7 +57,7 @@ CURES = [
         "a client that reads nothing blocks the server",
         "sending never waits: what finds no room is kept and tried again",
         [(BUS + "ports.rs", "BackpressureAction::DiscardDataAndFail", "BackpressureAction::Retry")],
-        "clearway-bus",
+        TESTS,
         "a_client_that_takes_nothing_holds_nobody_up",
     ),
     (
@@ -58,7 +65,7 @@ CURES = [
         "parts to a client that has left vanish silently",
         "the connection is looked at before each part",
         [(BUS + "server/reply.rs", "if !self.active.is_connected() {", "if false {")],
-        "clearway-bus",
+        LIBRARY,
         "a_client_that_has_left_is_not_written_to",
     ),
     (
@@ -66,7 +73,7 @@ CURES = [
         "a connection to a killed server stays open",
         "who waits clears the dead away",
         [(BUS + "client/pending.rs", "self.connection.node.sweep();", "();")],
-        "clearway-bus",
+        TESTS,
         "a_call_notices_within_its_limit_that_the_planner_was_killed",
     ),
     (
@@ -74,7 +81,7 @@ CURES = [
         "several servers all get every request",
         "one server only",
         [(BUS + "ports.rs", ".max_servers(1)", ".max_servers(2)")],
-        "clearway-bus",
+        TESTS,
         "a_second_planner_is_refused",
     ),
     (
@@ -82,7 +89,7 @@ CURES = [
         "a recorder that hangs blocks the server",
         "the tap overwrites its oldest messages, and numbers them",
         [(BUS + "ports.rs", "        .enable_safe_overflow(true)\n        .max_publishers(1)\n        .max_subscribers(options.max_recorders)", "        .enable_safe_overflow(false)\n        .max_publishers(1)\n        .max_subscribers(options.max_recorders)")],
-        "clearway-bus",
+        TESTS,
         "a_recorder_that_hangs_slows_nobody",
     ),
     (
@@ -90,7 +97,7 @@ CURES = [
         "a loss at the end of the tap does not show",
         "a heartbeat with the next number",
         [(BUS + "tap.rs", "let is_due = self.listened_to();", "let is_due = false;")],
-        "clearway-bus",
+        TESTS,
         "the_heartbeat_shows_a_loss_at_the_end",
     ),
     (
@@ -98,7 +105,7 @@ CURES = [
         "SIGTERM is forgotten by the library's handler, or ends the process with its files",
         "signal-hook, a flag that stays",
         [(BUS + "wait.rs", "for signal in [SIGINT, SIGTERM, SIGHUP] {", "for signal in [SIGINT, SIGHUP] {")],
-        "clearway-bus",
+        TESTS,
         "signals_end_a_planner_and_nothing_is_left",
     ),
     (
@@ -106,7 +113,7 @@ CURES = [
         "the same name and size with other fields connects silently",
         "a hash of the layout in the type's name",
         [(BUS + "headers.rs", '"clearway::{}#{:016x}", $name, $hash', '"clearway::{}#{:016x}", $name, $hash - $hash')],
-        "clearway-bus",
+        TESTS,
         "a_client_of_another_layout_does_not_connect",
     ),
     (
@@ -114,7 +121,7 @@ CURES = [
         "programs that are killed while they start leave files for ever",
         "locks say who lives; the living remove what the dead made",
         [(BUS + "member.rs", "if janitor::is_up_to(role, &site) {", "if false {")],
-        "clearway-bus",
+        TESTS,
         "what_killed_clients_leave_is_removed_by_the_living",
     ),
     (
@@ -122,15 +129,39 @@ CURES = [
         "requests whose client leaves before they are taken keep its memory for ever",
         "who leaves waits until the planner, whichever serves by then, has taken them",
         [(BUS + "client.rs", "if !self.dropped.load(Ordering::Relaxed) {", "if true {")],
-        "clearway-bus",
+        TESTS,
         "a_client_leaves_nothing_at_a_planner_that_took_over",
+    ),
+    (
+        "dead",
+        "the same for clients that die",
+        "the planner takes their requests before it clears them away",
+        [(BUS + "server.rs", "self.node.sweep_after(|| self.inbox.take_all());", "self.node.sweep_after(|| {});")],
+        TESTS,
+        "a_client_killed_before_its_request_is_taken_leaves_nothing",
+    ),
+    (
+        "turns",
+        "clients are served in the order of their places: the last may starve",
+        "under load, all requests that wait are taken before the next is answered",
+        [(BUS + "server/inbox.rs", "if self.backlog.is_empty() && self.busy {", "if false {")],
+        TESTS,
+        "a_client_that_keeps_asking_starves_nobody",
+    ),
+    (
+        "umask",
+        "binding a socket changes the umask of the whole process for a moment",
+        "directories get their mode explicitly",
+        [(BUS + "root.rs", "directory.set_permissions(Permissions::from_mode(0o700))?;", "();")],
+        LIBRARY,
+        "a_directory_made_under_a_narrow_umask_is_opened_to_its_owner",
     ),
     (
         "log",
         "a warning of 10 kB",
         "texts are cut",
         [(BUS + "log.rs", "let room = self.1 - self.0.len();", "let room = text.len();")],
-        "clearway-bus",
+        LIBRARY,
         "long_texts_are_cut",
     ),
     (
@@ -138,7 +169,7 @@ CURES = [
         "a false count of elements is a SIGSEGV",
         "what lies beyond the first segment is copied by the system, which reports a fault",
         [(BUS + "server/copy.rs", "if payload.len() <= SURE {", "if payload.len() <= usize::MAX {")],
-        "integration-tests",
+        SYSTEM,
         "a_false_count_of_elements_is_refused_without_harm",
     ),
 ]
@@ -157,24 +188,41 @@ def changed(changes):
     return before
 
 
-def run(package, test):
+def run(tests, test):
     environment = os.environ | {"BUS_STRESS": "60", "RUST_BACKTRACE": "0"}
-    # Programs have the features of the whole workspace.
-    is_system = package == "integration-tests"
-    tests = ["--workspace", "--test", "system"] if is_system else ["-p", package, "--lib", "--test", "bus"]
     build = ["cargo", "test", "--quiet", *tests, "--no-run"]
     built = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
     if built.returncode != 0:
         return "does not build:\n" + built.stderr
+    # The test itself is a child of cargo, and has children.
     command = ["cargo", "test", "--quiet", *tests, "--", test]
-    try:
-        ran = subprocess.run(command, cwd=ROOT, env=environment, timeout=180, capture_output=True, text=True)
-    except subprocess.TimeoutExpired:
-        return "failed: it hangs"
+    with subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        try:
+            said, _ = running.communicate(timeout=180)
+        except subprocess.TimeoutExpired:
+            return "failed: it hangs"
+        finally:
+            if running.returncode is None:
+                os.killpg(running.pid, signal.SIGKILL)
     # Filters that match nothing pass.
-    if ran.returncode == 0:
-        return "passed" if " 1 passed" in ran.stdout else "there is no such test"
-    return "failed"
+    if running.returncode == 0:
+        return "passed" if " 1 passed" in said else "there is no such test"
+    return "failed: " + reason(said)
+
+
+def reason(said):
+    """What the test said first of its failure."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    after = [line for before, line in itertools.pairwise(lines) if "panicked at" in before]
+    return (after or lines)[0]
 
 
 def main():
@@ -190,12 +238,12 @@ def main():
     if dirty:
         raise SystemExit(f"not committed:\n{dirty}")
     useless = 0
-    for name, _, _, changes, package, test in CURES:
+    for name, _, _, changes, tests, test in CURES:
         if arguments.names and name not in arguments.names:
             continue
         before = changed(changes)
         try:
-            result = run(package, test)
+            result = run(tests, test)
         finally:
             for path, content in before.items():
                 path.write_text(content)

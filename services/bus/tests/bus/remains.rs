@@ -75,6 +75,21 @@ fn a_client_leaves_nothing_at_a_planner_that_took_over() {
 }
 
 #[test]
+fn a_client_killed_before_its_request_is_taken_leaves_nothing() {
+    let test = TestDomain::new();
+    let mut server = Server::open(&test.domain, &ServerOptions::default()).unwrap();
+    let client = Process::start("client that asks and hangs", &test);
+    // From now on the planner has a connection to give back.
+    server.see_who_left();
+    assert!(connections(&test) > 0);
+    client.kill();
+    server.sweep();
+    server.see_who_left();
+    assert!(server.receive().is_none(), "nobody waits");
+    assert_eq!(connections(&test), 0);
+}
+
+#[test]
 fn what_the_last_left_is_removed_by_the_next() {
     let mut random = fastrand::Rng::with_seed(8);
     for _ in 0..kills().div_ceil(20) {

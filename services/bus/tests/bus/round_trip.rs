@@ -68,6 +68,27 @@ fn open_requests_are_answered_each() {
     client.call(&scene(5, 1), LONG).unwrap();
 }
 
+/// iceoryx2 looks at its clients in the same order each time.
+#[test]
+fn a_client_that_keeps_asking_starves_nobody() {
+    let test = TestDomain::new();
+    let options = ServerOptions { requests_per_client: 8, ..ServerOptions::default() };
+    let mut server = Server::open(&test.domain, &options).unwrap();
+    let [first, second] = [(); 2].map(|()| Client::connect(&test.domain, Wait::Poll).unwrap());
+    for (busy, other) in [(&first, &second), (&second, &first)] {
+        let mut open = vec![busy.send(&scene(1, 1)).unwrap()];
+        let waiting = other.send(&scene(2, 1)).unwrap();
+        let turn = (0..6).find(|_| {
+            let taken = server.receive().expect("two wait");
+            open.push(busy.send(&scene(1, 1)).unwrap());
+            taken.header().client == waiting.key().client
+        });
+        assert!(turn.is_some_and(|turn| turn <= 2), "the other's turn: {turn:?}");
+        drop((open, waiting));
+        assert!(server.receive().is_none(), "nobody waits");
+    }
+}
+
 /// A call is to take far less than the net under a wake-up that is slept over. The median
 /// says so on a busy machine, too.
 fn check_prompt(domain: &Domain, client: Wait, server: Wait) {
