@@ -34,6 +34,7 @@ use crate::presence::Visitor;
 use crate::process::Process;
 use crate::wait::{self, Wait};
 use loan::Response;
+use pending::Awaited;
 
 /// Clients, and what they lend, may go from thread to thread.
 type Shared = ipc_threadsafe::Service;
@@ -321,6 +322,16 @@ impl Connection {
         self.dropped.store(true, Ordering::Relaxed);
     }
 
+    /// Asks the planner to drop this once it has dropped all that was sent before, if there is room.
+    fn say_farewell(&self) -> Option<Awaited> {
+        let mut request = self.port.loan_slice_uninit(0).ok()?;
+        let header = wire::RequestHeader { version: wire::FAREWELL, ..Default::default() };
+        request.user_header_mut().set(header);
+        let farewell = request.write_from_slice(&[]).send().ok()?;
+        self.ring();
+        Some(farewell)
+    }
+
     /// Why a reply ends before it is whole.
     fn lost(&self) -> CallError {
         let is_gone =
@@ -345,16 +356,20 @@ impl Drop for Connection {
         if !self.dropped.load(Ordering::Relaxed) {
             return;
         }
-        let Ok(mut request) = self.port.loan_slice_uninit(0) else { return };
-        let header = wire::RequestHeader { version: wire::FAREWELL, ..Default::default() };
-        request.user_header_mut().set(header);
-        let Ok(farewell) = request.write_from_slice(&[]).send() else { return };
-        self.ring();
         // Another than the last reply came from may serve by now, and have it.
         let planner = planner_of(&self.plan);
-        let has_ended = || planner.as_ref().is_some_and(Process::has_ended);
         let until = Instant::now() + LEAVING;
-        while farewell.is_connected() && Instant::now() < until && !has_ended() {
+        let goes_on = || {
+            let has_ended = planner.as_ref().is_some_and(Process::has_ended);
+            Instant::now() < until && !has_ended
+        };
+        // What was dropped takes its place until the planner has seen it.
+        let mut farewell = self.say_farewell();
+        while farewell.is_none() && goes_on() {
+            std::thread::sleep(Duration::from_micros(200));
+            farewell = self.say_farewell();
+        }
+        while farewell.as_ref().is_some_and(Awaited::is_connected) && goes_on() {
             std::thread::sleep(Duration::from_micros(200));
         }
     }

@@ -9,7 +9,7 @@ use schemas::wire;
 
 use super::reply::{Active, Desk, Incoming};
 use crate::cause::Cause;
-use crate::headers::{Current, UserHeader, Version};
+use crate::headers::{Current, Version};
 use crate::ports::{PlanRequest, PlanServer};
 use crate::previous::Previous;
 
@@ -27,6 +27,8 @@ pub(super) struct Inbox {
     previous_first: bool,
     /// Requests that were taken before it was their turn.
     backlog: VecDeque<Incoming>,
+    /// Clients that wait until they may leave.
+    farewells: Vec<Active>,
     /// Whether there was a request the last time.
     busy: bool,
     desk: Rc<RefCell<Desk>>,
@@ -38,12 +40,14 @@ impl Inbox {
         current: PlanServer<Current>,
         desk: Rc<RefCell<Desk>>,
     ) -> Self {
-        let backlog = VecDeque::new();
-        Self { previous, current, previous_first: false, backlog, busy: false, desk }
+        let (backlog, farewells) = (VecDeque::new(), Vec::new());
+        Self { previous, current, previous_first: false, backlog, farewells, busy: false, desk }
     }
 
     /// The next request whose client waits.
     pub(super) fn receive(&mut self) -> Option<Incoming> {
+        // What these clients had dropped before is dropped here as well by now.
+        self.farewells.clear();
         loop {
             // iceoryx2 looks at its clients in the same order each time, so that the last would
             // wait for ever while the first keep asking: whoever waits now comes before those.
@@ -61,6 +65,7 @@ impl Inbox {
     /// Whether a request waits.
     pub(super) fn has_requests(&self) -> bool {
         !self.backlog.is_empty()
+            || !self.farewells.is_empty()
             || self.current.has_requests().unwrap_or(true)
             || self.previous.has_requests().unwrap_or(true)
     }
@@ -82,14 +87,19 @@ impl Inbox {
 
     /// The next request in shared memory.
     fn take(&mut self) -> Option<Incoming> {
-        let current = || take::<Current>(&self.current).map(Active::Current);
-        let previous = || take::<Previous>(&self.previous).map(Active::Previous);
-        let active = match self.previous_first {
-            true => previous().or_else(current),
-            false => current().or_else(previous),
-        }?;
-        self.previous_first = matches!(active, Active::Current(_));
-        Some(Incoming::new(active, Rc::clone(&self.desk)))
+        loop {
+            let current = || take::<Current>(&self.current).map(Active::Current);
+            let previous = || take::<Previous>(&self.previous).map(Active::Previous);
+            let active = match self.previous_first {
+                true => previous().or_else(current),
+                false => current().or_else(previous),
+            }?;
+            self.previous_first = matches!(active, Active::Current(_));
+            if !is_farewell(&active.header()) {
+                return Some(Incoming::new(active, Rc::clone(&self.desk)));
+            }
+            self.farewells.push(active);
+        }
     }
 }
 
@@ -99,8 +109,6 @@ fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {
     let mut errors = 0;
     while errors < ERRORS {
         match port.receive() {
-            // Dropping it is the answer.
-            Ok(Some(request)) if is_farewell(&V::upgrade(request.user_header().plain())) => {}
             Ok(request) => return request,
             Err(error) => {
                 tracing::warn!(cause = %Cause::from(error), "can't receive from a client");
@@ -111,7 +119,10 @@ fn take<V: Version>(port: &PlanServer<V>) -> Option<PlanRequest<V>> {
     None
 }
 
-/// Whether a client only wants to know that its requests before were taken.
+/// Whether a client only wants to know when it may leave: dropping it is the answer.
+///
+/// Not at once: while requests of a client that has left are held, iceoryx2 0.10 may lose track of
+/// them. See [`Server::see_who_left`](super::Server::see_who_left).
 fn is_farewell(header: &wire::RequestHeader) -> bool {
     *header == wire::RequestHeader { version: wire::FAREWELL, ..Default::default() }
 }

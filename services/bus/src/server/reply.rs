@@ -33,7 +33,7 @@ pub(super) enum Active {
 
 impl Active {
     /// The request's header, in the current version.
-    fn header(&self) -> wire::RequestHeader {
+    pub(super) fn header(&self) -> wire::RequestHeader {
         match self {
             Self::Current(active) => Current::upgrade(active.user_header().plain()),
             Self::Previous(active) => Previous::upgrade(active.user_header().plain()),

@@ -111,9 +111,11 @@ fn run() {
                 open.flush(|_| {});
             }
         }
-        "client that asks and hangs" => {
+        "client that asks and hangs" | "client that asks twice and hangs" => {
             let client = client();
-            let _pending = client.send(&scene(1, 100_000)).unwrap();
+            let times = if part == "client that asks and hangs" { 1 } else { 2 };
+            let _open: Vec<_> =
+                (0..times).map(|_| client.send(&scene(1, 100_000)).unwrap()).collect();
             ready();
             std::thread::sleep(Duration::from_secs(60));
         }
