@@ -1,5 +1,6 @@
 //! No wake-up is slept over.
 
+use std::os::fd::AsRawFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use iceoryx2::prelude::ipc;
@@ -129,26 +130,33 @@ fn stress(
     counts
 }
 
-fn ours(bell: &Listener<ipc::Service>, ready: &mut dyn FnMut() -> bool) -> bool {
-    let begin = Instant::now();
-    let ended = sleep((bell, &[]), begin + NET, ready);
-    ended == Ended::Rung || ended == Ended::Ready && begin.elapsed() < NAP
+/// Our own way, with these to wake the sleeper as well.
+fn ours(
+    others: &[BorrowedFd<'_>],
+) -> impl FnMut(&Listener<ipc::Service>, &mut dyn FnMut() -> bool) -> bool {
+    move |bell, ready| {
+        let begin = Instant::now();
+        let ended = sleep((bell, others), begin + NET, ready);
+        ended == Ended::Rung || ended == Ended::Ready && begin.elapsed() < NAP
+    }
+}
+
+fn descriptor(bell: &Listener<ipc::Service>) -> BorrowedFd<'_> {
+    #[expect(unsafe_code, reason = "the descriptor is the listener's")]
+    // SAFETY: the listener outlives what is lent.
+    unsafe {
+        BorrowedFd::borrow_raw(bell.file_descriptor().native_handle())
+    }
 }
 
 /// What iceoryx2's `WaitSet` does: sleep on the bell's file descriptor, then take up the
 /// rings once.
 fn undrained() -> impl FnMut(&Listener<ipc::Service>, &mut dyn FnMut() -> bool) -> bool {
-    use std::os::fd::BorrowedFd;
-
-    use iceoryx2::prelude::FileDescriptorBased;
     |bell, ready| {
         if ready() {
             return true;
         }
-        let descriptor = bell.file_descriptor();
-        #[expect(unsafe_code, reason = "the descriptor is the listener's")]
-        // SAFETY: the listener outlives this call.
-        let descriptor = unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) };
+        let descriptor = descriptor(bell);
         let mut polled = [rustix::event::PollFd::new(&descriptor, rustix::event::PollFlags::IN)];
         let net = rustix::time::Timespec { tv_sec: 0, tv_nsec: NET.as_nanos() as _ };
         let rung = rustix::event::poll(&mut polled, Some(&net)).unwrap() > 0;
@@ -159,9 +167,50 @@ fn undrained() -> impl FnMut(&Listener<ipc::Service>, &mut dyn FnMut() -> bool) 
 
 #[test]
 fn no_wake_up_is_slept_over() {
-    let seconds = std::env::var("BUS_STRESS").map_or(1, |seconds| seconds.parse().unwrap());
-    let counts = stress(Duration::from_secs(seconds), u64::MAX, ours);
-    assert_eq!(counts.slept_over, 0, "{counts:?}");
+    let seconds = std::env::var("BUS_STRESS").map_or(2, |seconds| seconds.parse().unwrap());
+    let (never, _open) = std::io::pipe().unwrap();
+    // With others, the descriptor alone wakes; without, iceoryx2 looks at its mark before.
+    for others in [&[never.as_fd()][..], &[]] {
+        let counts = stress(Duration::from_secs(seconds) / 2, 1, ours(others));
+        assert_eq!(counts.slept_over, 0, "{counts:?}");
+    }
+}
+
+/// A notifier that is held up between ring and mark may leave a bell that counts as rung, while
+/// nothing can be read: who rings next wakes nobody.
+#[test]
+fn a_bell_that_counts_as_rung_is_not_slept_on() {
+    let domain = test_domain();
+    let node = domain.join("sleeper").unwrap();
+    let wake = ports::create_wake(&node, &ServerOptions::default()).unwrap();
+    let bell = wake.listener_builder().create().unwrap();
+    let ringer = wake.notifier_builder().create().unwrap();
+    let (never, _open) = std::io::pipe().unwrap();
+    let mut posted = false;
+    let ended = sleep((&bell, &[never.as_fd()]), Instant::now() + NET, || {
+        let seen = std::mem::replace(&mut posted, true);
+        if !seen {
+            // Right after the last look.
+            ringer.notify().unwrap();
+            take_ring(&bell);
+            ringer.notify().unwrap();
+        }
+        seen
+    });
+    // Neither rung nor by the long net.
+    assert_eq!(ended, Ended::Ready);
+}
+
+/// Takes a ring without iceoryx2's knowledge.
+fn take_ring(bell: &Listener<ipc::Service>) {
+    let mut ring = [0u8; 64];
+    #[expect(unsafe_code, reason = "a call of the C library")]
+    // SAFETY: the buffer is as long as said.
+    let taken = unsafe {
+        let descriptor = descriptor(bell).as_raw_fd();
+        libc::recv(descriptor, ring.as_mut_ptr().cast(), ring.len(), libc::MSG_DONTWAIT)
+    };
+    assert!(taken > 0, "it rang");
 }
 
 /// Shows that the stress finds what it is for: one in 5,000 to 30,000 wake-ups.
