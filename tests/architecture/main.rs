@@ -1,5 +1,6 @@
 //! The rules of the house: who knows whom, and what no file is or holds.
 
+mod clients;
 mod code;
 mod modules;
 mod names;

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs libclearway, builds the examples as users would, and compares what they print with
 # `plan --local`, under AddressSanitizer and valgrind too: check.sh FOLDER PROGRAMS, where PROGRAMS
-# has `planner`, `plan` and `raw-planner`. Needs a C and a C++ compiler, pkg-config and valgrind; cmake if it is there.
+# has `planner`, `plan` and `raw-planner`. Needs a C and a C++ compiler, pkg-config, valgrind and Python; cmake if it is
+# there.
 set -euo pipefail
 folder=$(realpath -m "$1")
 programs=$(realpath "$2")
@@ -47,8 +48,10 @@ fi
 
 "${compilers[-1]%% *}" -std=gnu11 -Wall -Wextra -Werror -fsanitize=address,undefined -g "$here/tests/life.c" \
     "${flags[@]}" -lpthread -o "$folder/life"
-"${compilers[-1]##* }" -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsanitize=address,undefined -g "$here/tests/life.cpp" \
-    "${flags[@]}" -o "$folder/life++"
+for test in life fields; do
+    "${compilers[-1]##* }" -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsanitize=address,undefined -g "$here/tests/$test.cpp" \
+        "${flags[@]}" -o "$folder/$test++"
+done
 
 fail() { echo "check.sh: $*" >&2; exit 1; }
 export CLEARWAY_JSON=1
@@ -73,6 +76,39 @@ for scene in "$scenes"/*.json; do
         compared=$((compared + 1))
     done
 done
+
+# Every field that clearway.hpp hands out is that of the reply.
+python3 - "$scenes" >"$folder/scenes.jsonl" <<'PYTHON'
+import json, pathlib, sys
+for path in sorted(pathlib.Path(sys.argv[1]).glob("*.json*")):
+    if path.suffix == ".jsonl":
+        print(path.read_text().strip())
+    elif path.name != "drive-office.json":  # needs a map
+        scene = json.loads(path.read_text())
+        print(json.dumps(scene | ({"report": "full"} if scene["task"] == "drive" else {})))
+PYTHON
+"$programs/plan" --local --format json - <"$folder/scenes.jsonl" >"$folder/expected" || [ $? = 1 ] # some are refused
+"$folder/fields++" "$folder/scenes.jsonl" check >"$folder/found" || fail "fields"
+python3 - "$folder/expected" "$folder/found" <<'PYTHON'
+import itertools, json, sys
+names = set()
+def fields(reply):
+    for name, value in reply.items():
+        names.add(name)
+        for entry in value if isinstance(value, list) else [value]:
+            if isinstance(entry, dict):
+                fields(entry)
+expected, found = ([json.loads(line) for line in open(path)] for path in sys.argv[1:])
+for number, (expected, found) in enumerate(itertools.zip_longest(expected, found), 1):
+    if "error" in expected:
+        expected.pop("id", None)  # C says it where there is a reply
+    fields(expected)
+    if expected != found:
+        sys.exit(f"check.sh: fields of reply {number}: {expected}\nC++ has: {found}")
+missing = {"exceeds", "stops", "exit", "channels", "bound", "rung", "junction", "needs", "least"} - names
+if missing:
+    sys.exit(f"check.sh: no reply has {missing}")
+PYTHON
 for program in "$folder"/c-gcc "$folder"/c++-gcc; do
     valgrind --quiet --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
         "$program" "$scenes/disassemble.json" check >"$folder/found" || fail "valgrind: $program"

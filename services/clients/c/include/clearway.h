@@ -45,6 +45,32 @@ typedef enum clearway_status {
     CLEARWAY_STATUS_FAILED = 8,
 } clearway_status;
 
+// Ways out of a part.
+typedef enum clearway_exit {
+    // None is reported.
+    CLEARWAY_EXIT_NONE = 0,
+    // Towards greater x.
+    CLEARWAY_EXIT_PLUS_X = 1,
+    // Towards smaller x.
+    CLEARWAY_EXIT_MINUS_X = 2,
+    // Towards greater y.
+    CLEARWAY_EXIT_PLUS_Y = 3,
+    // Towards smaller y.
+    CLEARWAY_EXIT_MINUS_Y = 4,
+    // Towards greater z.
+    CLEARWAY_EXIT_PLUS_Z = 5,
+    // Towards smaller z.
+    CLEARWAY_EXIT_MINUS_Z = 6,
+} clearway_exit;
+
+// Limits that motions may not obey.
+typedef enum clearway_limit {
+    // None is exceeded, or none is reported.
+    CLEARWAY_LIMIT_NONE = 0,
+    // The yaw rate jumps where the curvature does.
+    CLEARWAY_LIMIT_YAW_ACCELERATION = 1,
+} clearway_limit;
+
 // The kinds of legs.
 typedef enum clearway_leg_kind {
     // A straight line.
@@ -56,6 +82,22 @@ typedef enum clearway_leg_kind {
     // A curve whose curvature changes evenly with its arc length.
     CLEARWAY_LEG_KIND_CLOTHOID = 3,
 } clearway_leg_kind;
+
+// How a leg was found.
+typedef enum clearway_rung {
+    // None is reported.
+    CLEARWAY_RUNG_NONE = 0,
+    // On the shortest path around the corners, at the gap asked for.
+    CLEARWAY_RUNG_TAUT = 1,
+    // With another radius at the corners where the robot would not fit.
+    CLEARWAY_RUNG_RADIUS = 2,
+    // By lining up: straight legs between turns in place.
+    CLEARWAY_RUNG_ALIGNED = 3,
+    // With legs in reverse.
+    CLEARWAY_RUNG_REVERSE = 4,
+    // By a search over positions and headings.
+    CLEARWAY_RUNG_LATTICE = 5,
+} clearway_rung;
 
 // Asks the planner of a domain.
 typedef struct clearway_client clearway_client;
@@ -79,6 +121,8 @@ typedef struct clearway_trajectory clearway_trajectory;
 typedef struct clearway_refusal {
     // Its code, such as "junction_too_small".
     const char *code;
+    // For people, with the numbers; its wording may change.
+    const char *message;
     // The field of the scene that is at fault, as a path.
     const char *field;
     // The setting of the planner whose limit was met.
@@ -98,6 +142,16 @@ typedef struct clearway_refusal {
     // The heading that would be free, radians.
     double heading;
 } clearway_refusal;
+
+// A limit that a motion does not obey.
+typedef struct clearway_exceeds {
+    // The limit.
+    enum clearway_limit limit;
+    // At how many joints of legs.
+    uint64_t joints;
+    // The greatest jump there of what the limit bounds the rate of, radians per second.
+    double jump;
+} clearway_exceeds;
 
 // What a trajectory says beside its lists. Metres and seconds.
 typedef struct clearway_summary {
@@ -119,6 +173,13 @@ typedef struct clearway_summary {
     uint32_t dimension;
     // Whether the search ended by itself and not because its budget was spent.
     bool complete;
+    // The way out that was taken, if the request gave several.
+    enum clearway_exit exit;
+    // With smooth corners: at how many joints of legs the body stops because none fits; -1 if it is
+    // not reported.
+    int64_t stops;
+    // The limit that the motion does not obey.
+    struct clearway_exceeds exceeds;
 } clearway_summary;
 
 // A state of the motion.
@@ -154,11 +215,14 @@ typedef struct clearway_leg {
     uint16_t table;
     // Number of the rule in it.
     uint16_t number;
+    // How it was found.
+    enum clearway_rung rung;
     // The junction it leads to or turns in, counted from 0 in travel order; -1 for none.
     int64_t junction;
     // Arc length.
     double length;
-    // Exact least distance to the walls on it; infinite without walls.
+    // Least distance to the walls on it: exact, but on a clothoid certified from below; infinite
+    // without walls.
     double clearance;
     // Line, clothoid: from. Arc: centre. Turn: position.
     double point[3];
@@ -175,6 +239,14 @@ typedef struct clearway_leg {
     // Clothoid: radians turned per metre where it begins and where it ends, positive to the left.
     double curvatures[2];
 } clearway_leg;
+
+// A box with sides parallel to the axes, metres; unused coordinates are 0.
+typedef struct clearway_box {
+    // The corner with the least coordinates.
+    double min[3];
+    // The corner with the greatest coordinates.
+    double max[3];
+} clearway_box;
 
 #ifdef __cplusplus
 extern "C" {
@@ -242,6 +314,15 @@ const uint64_t *clearway_trajectory_route(const struct clearway_trajectory *traj
 const double *clearway_trajectory_gaps(const struct clearway_trajectory *trajectory,
                                        size_t *count,
                                        size_t *each);
+
+// How many channels the planner made for a trajectory, which its route counts; 0 if the scene has
+// them, and for NULL.
+size_t clearway_trajectory_channels(const struct clearway_trajectory *trajectory);
+
+// A channel that the planner made; false if there is no such channel.
+bool clearway_trajectory_channel(const struct clearway_trajectory *trajectory,
+                                 size_t index,
+                                 struct clearway_box *channel);
 
 // Connects to the planner of a domain (NULL: the default domain), waiting up to `patience` seconds
 // for one that is not there yet. Signals are left to the program.

@@ -21,6 +21,8 @@ namespace clearway {
 
 using sample = clearway_sample;
 using leg = clearway_leg;
+using box = clearway_box;
+using exceeds = clearway_exceeds;
 using summary = clearway_summary;
 using status = clearway_status;
 
@@ -146,6 +148,24 @@ public:
         std::size_t count = 0;
         const std::uint64_t* route = clearway_trajectory_route(handle_, &count);
         return {route, count};
+    }
+    /// The gaps used, metres, junction by junction in travel order: gaps_per_junction() for each.
+    view<double> gaps() const noexcept {
+        std::size_t count = 0;
+        const double* gaps = clearway_trajectory_gaps(handle_, &count, nullptr);
+        return {gaps, count};
+    }
+    std::size_t gaps_per_junction() const noexcept {
+        std::size_t each = 0;
+        clearway_trajectory_gaps(handle_, nullptr, &each);
+        return each;
+    }
+    /// How many channels the planner made, which route() counts; 0 if the scene has them.
+    std::size_t channels() const noexcept { return clearway_trajectory_channels(handle_); }
+    clearway_box channel(std::size_t index) const noexcept {
+        clearway_box found{};
+        clearway_trajectory_channel(handle_, index, &found);
+        return found;
     }
     /// Calls `visit` with each sample in turn.
     template <typename Visit>

@@ -21,6 +21,7 @@ pub struct Error {
 struct Texts {
     refused: Refused,
     code: CString,
+    message: CString,
     field: Option<CString>,
     setting: Option<CString>,
 }
@@ -40,9 +41,10 @@ impl From<Refused> for Error {
     fn from(refused: Refused) -> Self {
         let message = text(&refused.to_string());
         let code = text(&refused.code().to_string());
-        let message::Refusal { field, setting, .. } = refused.refusal();
+        let message::Refusal { message: said, field, setting, .. } = refused.refusal();
+        let said = text(said);
         let [field, setting] = [field, setting].map(|said| said.as_deref().map(text));
-        let refusal = Some(Texts { refused, code, field, setting });
+        let refusal = Some(Texts { refused, code, message: said, field, setting });
         Self { status: Status::Refused, message, refusal }
     }
 }
@@ -128,18 +130,32 @@ pub unsafe extern "C" fn clearway_error_refusal(
     let said = unsafe { error.as_ref() }.and_then(|error| error.refusal.as_ref());
     let (Some(said), false) = (said, refusal.is_null()) else { return false };
     let pointer = |text: &Option<CString>| text.as_ref().map_or(ptr::null(), |text| text.as_ptr());
-    let all = said.refused.refusal();
+    // The texts are those of `said`.
+    let &message::Refusal {
+        code: _,
+        message: _,
+        field: _,
+        setting: _,
+        junction,
+        axis,
+        needs,
+        has,
+        least,
+        most,
+        heading,
+    } = said.refused.refusal();
     let filled = Refusal {
         code: said.code.as_ptr(),
+        message: said.message.as_ptr(),
         field: pointer(&said.field),
         setting: pointer(&said.setting),
-        junction: all.junction.map_or(-1, |junction| junction as i64),
-        axis: all.axis.map_or(-1, |axis| axis as i32),
-        needs: all.needs.unwrap_or(f64::NAN),
-        has: all.has.unwrap_or(f64::NAN),
-        least: all.least.unwrap_or(f64::NAN),
-        most: all.most.unwrap_or(f64::NAN),
-        heading: all.heading.unwrap_or(f64::NAN),
+        junction: junction.map_or(-1, |junction| junction as i64),
+        axis: axis.map_or(-1, |axis| axis as i32),
+        needs: needs.unwrap_or(f64::NAN),
+        has: has.unwrap_or(f64::NAN),
+        least: least.unwrap_or(f64::NAN),
+        most: most.unwrap_or(f64::NAN),
+        heading: heading.unwrap_or(f64::NAN),
     };
     // SAFETY: it is not NULL and points to where the caller wants it.
     unsafe { refusal.write(filled) };

@@ -3,10 +3,12 @@
 use std::ffi::{CString, c_char};
 use std::ptr;
 
-use clearway_client::message::{self, Curve, Vector};
+use clearway_client::message::{self, Curve, Direction, ExceededLimit, Vector};
 
 use crate::error::{Error, call, free, given};
-use crate::values::{Leg, LegKind, Sample, Samples, Status, Summary};
+use crate::values::{
+    AxisBox, Exceeds, Exit, Leg, LegKind, Limit, Rung, Sample, Samples, Status, Summary,
+};
 
 /// A reply: an answer for each clearance asked for.
 #[derive(Debug)]
@@ -133,6 +135,9 @@ pub unsafe extern "C" fn clearway_trajectory_summary(trajectory: *const Trajecto
         free_clearance: trajectory.free_clearance().unwrap_or(f64::NAN),
         dimension: trajectory.dimension() as u32,
         complete: trajectory.is_complete(),
+        exit: trajectory.exit().map_or(Exit::None, exit_of),
+        stops: trajectory.stops().map_or(-1, |stops| stops as i64),
+        exceeds: exceeds_of(trajectory.exceeds()),
     }
 }
 
@@ -215,14 +220,71 @@ pub unsafe extern "C" fn clearway_trajectory_gaps(
     gaps.as_ptr()
 }
 
+/// How many channels the planner made for a trajectory, which its route counts; 0 if the scene has
+/// them, and for NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn clearway_trajectory_channels(trajectory: *const Trajectory) -> usize {
+    // SAFETY: as the header says.
+    unsafe { seen(trajectory) }.map_or(0, |trajectory| trajectory.channels().len())
+}
+
+/// A channel that the planner made; false if there is no such channel.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn clearway_trajectory_channel(
+    trajectory: *const Trajectory,
+    index: usize,
+    channel: *mut AxisBox,
+) -> bool {
+    // SAFETY: as the header says.
+    let trajectory = unsafe { seen(trajectory) };
+    let found = trajectory.and_then(|trajectory| trajectory.channels().get(index));
+    let (Some(found), false) = (found, channel.is_null()) else { return false };
+    let message::AxisBox { min, max } = found;
+    // SAFETY: it is not NULL and points to where the caller wants it.
+    unsafe { channel.write(AxisBox { min: min.padded(), max: max.padded() }) };
+    true
+}
+
+fn exit_of(exit: Direction) -> Exit {
+    match exit {
+        Direction::PlusX => Exit::PlusX,
+        Direction::MinusX => Exit::MinusX,
+        Direction::PlusY => Exit::PlusY,
+        Direction::MinusY => Exit::MinusY,
+        Direction::PlusZ => Exit::PlusZ,
+        Direction::MinusZ => Exit::MinusZ,
+    }
+}
+
+fn exceeds_of(exceeds: Option<message::Exceeds>) -> Exceeds {
+    let Some(message::Exceeds { limit, joints, jump }) = exceeds else {
+        return Exceeds { limit: Limit::None, joints: 0, jump: 0.0 };
+    };
+    let limit = match limit {
+        ExceededLimit::YawAcceleration => Limit::YawAcceleration,
+    };
+    Exceeds { limit, joints, jump }
+}
+
+fn rung_of(rung: message::Rung) -> Rung {
+    match rung {
+        message::Rung::Taut => Rung::Taut,
+        message::Rung::Radius => Rung::Radius,
+        message::Rung::Aligned => Rung::Aligned,
+        message::Rung::Reverse => Rung::Reverse,
+        message::Rung::Lattice => Rung::Lattice,
+    }
+}
+
 fn leg_of(leg: &message::Leg) -> Leg {
-    let message::Leg { curve, length, clearance, junction, rule, reverse, rung: _ } = *leg;
+    let message::Leg { curve, length, clearance, junction, rule, reverse, rung } = *leg;
     let at = |point: Vector| point.padded();
     let all = Leg {
         kind: LegKind::Line,
         reverse,
         table: rule.map_or(0, |rule| rule.table),
         number: rule.map_or(0, |rule| rule.number),
+        rung: rung.map_or(Rung::None, rung_of),
         junction: junction.map_or(-1, |junction| junction as i64),
         length,
         clearance,

@@ -75,6 +75,65 @@ pub struct Summary {
     pub dimension: u32,
     /// Whether the search ended by itself and not because its budget was spent.
     pub complete: bool,
+    /// The way out that was taken, if the request gave several.
+    pub exit: Exit,
+    /// With smooth corners: at how many joints of legs the body stops because none fits; -1 if it is
+    /// not reported.
+    pub stops: i64,
+    /// The limit that the motion does not obey.
+    pub exceeds: Exceeds,
+}
+
+/// Ways out of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub enum Exit {
+    /// None is reported.
+    None = 0,
+    /// Towards greater x.
+    PlusX = 1,
+    /// Towards smaller x.
+    MinusX = 2,
+    /// Towards greater y.
+    PlusY = 3,
+    /// Towards smaller y.
+    MinusY = 4,
+    /// Towards greater z.
+    PlusZ = 5,
+    /// Towards smaller z.
+    MinusZ = 6,
+}
+
+/// A limit that a motion does not obey.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Exceeds {
+    /// The limit.
+    pub limit: Limit,
+    /// At how many joints of legs.
+    pub joints: u64,
+    /// The greatest jump there of what the limit bounds the rate of, radians per second.
+    pub jump: f64,
+}
+
+/// Limits that motions may not obey.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub enum Limit {
+    /// None is exceeded, or none is reported.
+    None = 0,
+    /// The yaw rate jumps where the curvature does.
+    YawAcceleration = 1,
+}
+
+/// A box with sides parallel to the axes, metres; unused coordinates are 0.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct AxisBox {
+    /// The corner with the least coordinates.
+    pub min: [f64; 3],
+    /// The corner with the greatest coordinates.
+    pub max: [f64; 3],
 }
 
 /// The kinds of legs.
@@ -91,6 +150,24 @@ pub enum LegKind {
     Clothoid = 3,
 }
 
+/// How a leg was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub enum Rung {
+    /// None is reported.
+    None = 0,
+    /// On the shortest path around the corners, at the gap asked for.
+    Taut = 1,
+    /// With another radius at the corners where the robot would not fit.
+    Radius = 2,
+    /// By lining up: straight legs between turns in place.
+    Aligned = 3,
+    /// With legs in reverse.
+    Reverse = 4,
+    /// By a search over positions and headings.
+    Lattice = 5,
+}
+
 /// A piece of a path. Metres; radians counter-clockwise from +x. What its kind does not have is 0.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
@@ -103,11 +180,14 @@ pub struct Leg {
     pub table: u16,
     /// Number of the rule in it.
     pub number: u16,
+    /// How it was found.
+    pub rung: Rung,
     /// The junction it leads to or turns in, counted from 0 in travel order; -1 for none.
     pub junction: i64,
     /// Arc length.
     pub length: f64,
-    /// Exact least distance to the walls on it; infinite without walls.
+    /// Least distance to the walls on it: exact, but on a clothoid certified from below; infinite
+    /// without walls.
     pub clearance: f64,
     /// Line, clothoid: from. Arc: centre. Turn: position.
     pub point: [f64; 3],
@@ -131,6 +211,8 @@ pub struct Leg {
 pub struct Refusal {
     /// Its code, such as "junction_too_small".
     pub code: *const c_char,
+    /// For people, with the numbers; its wording may change.
+    pub message: *const c_char,
     /// The field of the scene that is at fault, as a path.
     pub field: *const c_char,
     /// The setting of the planner whose limit was met.

@@ -41,7 +41,8 @@ pub(crate) struct Leg {
     end_curvature: Option<f64>,
     /// Arc length.
     length: f64,
-    /// Exact least distance to the walls on it; infinite without walls.
+    /// Least distance to the walls on it: exact, but on a clothoid certified from below; infinite
+    /// without walls.
     clearance: f64,
     /// The junction it leads to or turns in, counted from 0 in travel order.
     junction: Option<u64>,

@@ -22,6 +22,7 @@ fn _clearway(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<reply::Reply>()?;
     module.add_class::<reply::Trajectory>()?;
     module.add_class::<reply::Clearance>()?;
+    module.add_class::<reply::Exceeds>()?;
     module.add_class::<leg::Leg>()?;
     module.add_class::<block::Block>()?;
     module.add_class::<recording_file::Recording>()?;

@@ -38,6 +38,17 @@ pub(crate) struct Clearance {
     wall: Py<PyTuple>,
 }
 
+/// A limit that a motion does not obey.
+#[pyclass(frozen, get_all, module = "clearway")]
+pub(crate) struct Exceeds {
+    /// The limit: `"yaw_acceleration"`, where the yaw rate jumps because the curvature does.
+    limit: String,
+    /// At how many joints of legs.
+    joints: u64,
+    /// The greatest jump there, radians per second.
+    jump: f64,
+}
+
 impl Reply {
     pub(crate) fn new(reply: clearway_client::Reply) -> Self {
         Self { reply: Arc::new(reply), answers: PyOnceLock::new() }
@@ -148,6 +159,21 @@ impl Trajectory {
         self.said().is_complete()
     }
 
+    /// The limit that the motion does not obey: an `Exceeds`. None where there is no such limit, and
+    /// where the request neither has `corners` nor asks for a full report.
+    #[getter]
+    fn exceeds(&self) -> Option<Exceeds> {
+        let message::Exceeds { limit, joints, jump } = self.said().exceeds()?;
+        Some(Exceeds { limit: limit.to_string(), joints, jump })
+    }
+
+    /// At how many joints of legs the body stops because no smooth corner fits, with `corners:
+    /// "smooth"`; otherwise None.
+    #[getter]
+    fn stops(&self) -> Option<u64> {
+        self.said().stops()
+    }
+
     /// The way out that was taken, if the request gave several.
     #[getter]
     fn exit(&self) -> Option<String> {
@@ -224,6 +250,14 @@ impl Trajectory {
         let (length, duration) = (said.length(), said.duration());
         let clearance = said.clearance().value;
         format!("<Trajectory of {length:.3} m in {duration:.3} s, {clearance:.3} m from the walls>")
+    }
+}
+
+#[pymethods]
+impl Exceeds {
+    fn __repr__(&self) -> String {
+        let Self { limit, joints, jump } = self;
+        format!("<Exceeds {limit} at {joints} joints, by {jump:.3} rad/s>")
     }
 }
 

@@ -2,6 +2,7 @@
 
 import gc
 import itertools
+import json
 import os
 import pathlib
 import signal
@@ -14,6 +15,15 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[4]
 SCENES = ROOT / "recordings" / "scenes"
 COUNT = itertools.count()
+
+
+def lines():
+    """Every scene of the repository that needs no map, as JSON."""
+    for path in sorted(SCENES.iterdir()):
+        if path.suffix == ".json" and path.name != "drive-office.json":
+            yield json.dumps(json.loads(path.read_text()))
+        elif path.suffix == ".jsonl":
+            yield from path.read_text().splitlines()
 
 
 def program(name):

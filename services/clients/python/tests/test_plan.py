@@ -7,18 +7,9 @@ import pickle
 
 import numpy
 import pytest
-from conftest import SCENES
+from conftest import SCENES, lines
 
 import clearway
-
-
-def lines():
-    """Every scene of the repository that needs no map, as JSON."""
-    for path in sorted(SCENES.iterdir()):
-        if path.suffix == ".json" and path.name != "drive-office.json":
-            yield json.dumps(json.loads(path.read_text()))
-        elif path.suffix == ".jsonl":
-            yield from path.read_text().splitlines()
 
 
 def reply_line(ask, scene_id):

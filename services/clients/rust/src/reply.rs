@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bus::Loan;
 use schemas::json;
-use schemas::message::{self, AxisBox, Clearance, Direction, Leg, RequestKey, Sample};
+use schemas::message::{self, AxisBox, Clearance, Direction, Exceeds, Leg, RequestKey, Sample};
 use schemas::wire::SAMPLE_CELLS;
 
 use crate::error::Refused;
@@ -132,6 +132,18 @@ impl Trajectory {
     /// Whether the search ended by itself and not because its budget was spent.
     pub fn is_complete(&self) -> bool {
         self.said.complete
+    }
+
+    /// The limit that the motion does not obey, where the request says how corners are passed or asks
+    /// for a full report.
+    pub fn exceeds(&self) -> Option<Exceeds> {
+        self.said.exceeds
+    }
+
+    /// Where the request asks for smooth corners: at how many joints of legs the body stops because
+    /// no smooth corner fits.
+    pub fn stops(&self) -> Option<u64> {
+        self.said.stops
     }
 
     /// The way out that was taken, if the request gave several.

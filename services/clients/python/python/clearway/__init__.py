@@ -14,6 +14,7 @@ Units are metres, radians and seconds. A scene is a mapping, a dataclass, a JSON
 from . import _errors
 from ._clearway import (
     Clearance,
+    Exceeds,
     Leg,
     Pending,
     RecordedReply,
@@ -39,6 +40,7 @@ def read_recording(path):
 __all__ = [
     "Clearance",
     "Client",
+    "Exceeds",
     "Leg",
     "Pending",
     "RecordedReply",

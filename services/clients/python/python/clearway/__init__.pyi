@@ -80,6 +80,14 @@ class Trajectory:
     @property
     def complete(self) -> bool: ...
     @property
+    def exceeds(self) -> Exceeds | None:
+        """The limit that the motion does not obey. None where there is no such limit, and where the
+        request neither has `corners` nor asks for a full report."""
+    @property
+    def stops(self) -> int | None:
+        """At how many joints of legs the body stops because no smooth corner fits, with `corners:
+        "smooth"`; otherwise None."""
+    @property
     def exit(self) -> str | None: ...
     @property
     def dimension(self) -> int: ...
@@ -103,6 +111,14 @@ class Clearance:
     value: float
     at: float
     wall: Point
+
+class Exceeds:
+    """A limit that a motion does not obey: the yaw rate jumps at so many `joints` of legs, by at most
+    `jump` (rad/s), because the curvature does."""
+
+    limit: str
+    joints: int
+    jump: float
 
 class Leg:
     kind: str
