@@ -10,6 +10,7 @@ mod motion;
 pub(crate) mod profile;
 pub(crate) mod route;
 pub(crate) mod safest_gap;
+pub(crate) mod smooth_corners;
 pub(crate) mod solids;
 pub(crate) mod table_1;
 pub(crate) mod tangents;

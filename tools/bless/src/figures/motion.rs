@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use planning::geometry::clothoid::Clothoid;
 use schemas::json;
 use schemas::message::{
     AxisBox, Curve, Leg, Request, RequestContent, RequestKey, SceneRequest, Trajectory, Vector,
@@ -92,11 +93,25 @@ pub(super) fn path(view: &View, legs: &[Leg]) -> String {
         match leg.curve {
             Curve::Arc { radius, sweep, .. } => data += &view.arc_to(radius, sweep, to),
             Curve::Line { .. } => data += &view.polyline(&[to]).replace('M', "L"),
-            Curve::Clothoid { .. } => unreachable!("no figure has smooth corners"),
+            Curve::Clothoid { from, from_heading, curvatures, length, .. } => {
+                let places = clothoid((flat(&from), from_heading), curvatures, length);
+                data += &view.polyline(&places).replace('M', "L");
+            }
             Curve::Turn { .. } => {}
         }
     }
     data
+}
+
+/// Places on a clothoid driven forwards, its end among them.
+fn clothoid((from, heading): Pose, curvatures: [f64; 2], length: f64) -> Vec<Point> {
+    let [curvature, end] = curvatures;
+    let curve = Clothoid { curvature, sharpness: (end - curvature) / length };
+    let (sin, cos) = libm::sincos(heading);
+    let places = (1..=24).map(|step| curve.place(length * f64::from(step) / 24.0));
+    places
+        .map(|at| [from[0] + cos * at.x - sin * at.y, from[1] + sin * at.x + cos * at.y])
+        .collect()
 }
 
 /// The corners of a robot: rear left, front left, front right, rear right.
