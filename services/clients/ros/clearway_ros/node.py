@@ -273,6 +273,11 @@ class ClearwayNode(Node):
                     "duration": f"{outcome.duration:.2f} s",
                     "clearance": f"{outcome.clearance.value:.3f} m",
                 }
+                if (exceeds := outcome.exceeds) is not None:
+                    where = f"{exceeds.joints} joints, jumps of up to {exceeds.jump:.2f} rad/s"
+                    facts["exceeds"] = f"{exceeds.limit} at {where}"
+                if outcome.stops is not None:
+                    facts["stops"] = outcome.stops
                 level, message = DiagnosticStatus.OK, "planned"
             self._last = (level, message, facts | {"took": f"{took * 1e3:.1f} ms"})
         if level != DiagnosticStatus.OK:

@@ -81,6 +81,12 @@ _ALL = {
     "start_turn": _Declared(
         "How the robot takes up its first heading", "in_place", words=("in_place", "while_moving")
     ),
+    "corners": _Declared(
+        "How the robot passes corners: along arcs, at whose ends the yaw rate jumps, or along smooth "
+        "turns, whose curvature is continuous",
+        "arc",
+        words=("arc", "smooth"),
+    ),
     "goal_heading": _Declared(
         "Whether the robot turns to the goal's orientation; else it keeps that of its arrival", True
     ),
@@ -138,6 +144,7 @@ def read(node):
         "reverse": values["reverse"],
         "turn_in_place": values["turn_in_place"],
         "start_turn": values["start_turn"],
+        "corners": values["corners"],
     }
     if values["min_turn_radius"] > 0:
         scene["min_turn_radius"] = values["min_turn_radius"]

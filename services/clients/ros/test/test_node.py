@@ -58,6 +58,21 @@ def test_a_path_is_what_the_planner_answers(robot, domain, planner):
     assert kinds["clearance"].text == f"{planned(domain).clearance.value:.3f} m"
     _, facts, level = robot.status("last plan", lambda message, _: message == "planned")
     assert facts["length"] == f"{planned(domain).length:.3f} m" and level == b"\0"
+    exceeds = planned(domain, corners="arc").exceeds
+    assert facts["exceeds"].startswith(f"yaw_acceleration at {exceeds.joints} joints, jumps of up to ")
+    assert "stops" not in facts
+
+
+def test_corners_can_be_smooth(robot, domain, planner):
+    robot.start_node(corners="smooth")
+    robot.use_map(grid(office()))
+    robot.status("map", lambda message, _: message == "there")
+    path = robot.plan(START, GOAL)
+    smooth = planned(domain, corners="smooth")
+    found = [[stamped.pose.position.x, stamped.pose.position.y] for stamped in path.poses]
+    assert found == smooth.samples["position"][:, :2].tolist()
+    _, facts, _ = robot.status("last plan", lambda message, _: message == "planned")
+    assert "exceeds" not in facts and facts["stops"] == str(smooth.stops)
 
 
 def test_a_map_is_sent_once(robot, domain, planner, tmp_path):
