@@ -335,6 +335,9 @@ def main(arguments=None):
     rclpy.init(args=arguments)
     try:
         node = ClearwayNode()
+    except KeyboardInterrupt:
+        rclpy.try_shutdown()
+        return 0
     except Exception as error:
         print(f"clearway_ros: {error}", file=sys.stderr)
         rclpy.try_shutdown()
