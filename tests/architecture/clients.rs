@@ -8,9 +8,12 @@ use std::fs;
 use integration_tests::root;
 use serde_json::Value;
 
+/// Fields of a reply, and what has another name in a client.
+type Renamed = &'static [(&'static str, &'static str)];
+
 /// The objects of the published schema, and what C has of each: a struct whose fields have the same
 /// names, but for those that are said otherwise.
-const OBJECTS: [(&str, &str, &[(&str, &str)]); 7] = [
+const OBJECTS: [(&str, &str, Renamed); 7] = [
     (
         "",
         "",
