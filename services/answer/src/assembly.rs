@@ -102,9 +102,7 @@ impl Assembly<2> {
         let given = ends.body.as_ref().unwrap_or(&scene.body);
         let body = memory_of_body.read(given, resources.budget)?;
         let terms = Terms::new(scene, PLANE, (body, Some(slide), &ends), wishes)?;
-        let size = body.bounds().size();
-        let shape = (size.as_slice(), body.is_box());
-        let source = Source::read(scene, &PLANE, shape, buffers, &mut resources)?;
+        let source = Source::read(scene, &PLANE, body.is_box(), buffers, &mut resources)?;
         let budget = resources.budget;
         let mut ways = [const { None }; MOST_EXITS];
         let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);
@@ -128,9 +126,7 @@ impl Assembly<3> {
         let given = ends.body.as_ref().unwrap_or(&scene.body);
         let body = memory_of_body.read(given, resources.budget)?;
         let terms = Terms::new(scene, SPACE, (body, None, &ends), wishes)?;
-        let size: Vector<3> = body.bounds().size();
-        let shape = (size.as_slice(), true);
-        let source = Source::read(scene, &SPACE, shape, buffers, &mut resources)?;
+        let source = Source::read(scene, &SPACE, true, buffers, &mut resources)?;
         let budget = resources.budget;
         let mut ways = [const { None }; MOST_EXITS];
         let mut job = AssemblyJob::new(terms, source, &mut ways, memory, resources);

@@ -171,7 +171,7 @@ fn channels_in_a_comb(bencher: Bencher<'_, '_>, vertices: usize) {
     let (mut solids, mut channels) = (Solids::default(), Vec::new());
     bencher.bench_local(|| {
         solids.clear();
-        solids.push_polygon(black_box(&comb), 0.1, &Budget::default()).expect("a solid");
+        solids.push_polygon(black_box(&comb), &Budget::default()).expect("a solid");
         let bounds = solids.bounds().expect("a solid");
         let body = Vector::repeat(1.5);
         solids.channels(&bounds, &body, &Budget::default(), &mut channels).expect("channels");
@@ -414,7 +414,7 @@ fn section_4_from_the_female_part(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| {
         let Planner { solids, channels, graph, travelled, chain, .. } = &mut planner;
         solids.clear();
-        solids.push_polygon(black_box(&female), 0.02, &Budget::default()).expect("a solid");
+        solids.push_polygon(black_box(&female), &Budget::default()).expect("a solid");
         let cavity = solids.cavity(&male, UP).expect("a cavity");
         solids.channels(&cavity, &male.size(), &Budget::default(), channels).expect("channels");
         graph.build(channels, &Budget::default()).expect("a graph");

@@ -42,8 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let exit = Direction { axis: 1, sign: Sign::Positive };
 
     let (mut solids, mut walls) = (Solids::default(), Walls::default());
-    // No edge is slanted, so the tolerance is not used.
-    solids.push_polygon(&female, 0.01, budget)?;
+    solids.push_polygon(&female, budget)?;
     walls.push_polygon(&female);
     walls.index(budget)?;
 

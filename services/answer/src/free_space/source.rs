@@ -19,9 +19,6 @@ use crate::entries::Entry;
 use crate::refuse::{Axes, FLOOR, Refused};
 use crate::scene::Scene;
 
-/// Slanted edges of solids are followed to this part of the body's least extent.
-const SLANT: f64 = 0.01;
-
 /// Memory for what a request says of its free space.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers<const D: usize> {
@@ -74,13 +71,13 @@ impl<'a, const D: usize> Source<'a, D> {
         }
     }
 
-    /// Reads the scene's channels, solids and bounds for a body of this size (metres). Unless it has
-    /// channels among them, a box in the plane and whatever there is in space, and the solids have no
-    /// slanted sides, there is no use in making any.
+    /// Reads the scene's channels, solids and bounds. Unless the body can move in channels among the
+    /// solids, as a box can in the plane and whatever there is in space, and the solids have no slanted
+    /// sides, there is no use in making any.
     pub(crate) fn read(
         scene: Scene<'_>,
         axes: &Axes,
-        (size, has_channels): (&[f64], bool),
+        has_channels: bool,
         buffers: &'a mut Buffers<D>,
         resources: &mut Resources<'_>,
     ) -> Result<Self, Refused>
@@ -98,9 +95,8 @@ impl<'a, const D: usize> Source<'a, D> {
             return Ok(Self::Outlines(Outlines { walls, bounds }));
         }
         solids.clear();
-        let tolerance = SLANT * size.iter().copied().fold(f64::INFINITY, f64::min);
         let budget = resources.budget;
-        take_all(scene, axes, Pieces { solids, tolerance, outline, budget }, budget)?;
+        take_all(scene, axes, Pieces { solids, outline, budget }, budget)?;
         Ok(Self::Solids(Cut { solids, made, walls, bounds }))
     }
 

@@ -37,11 +37,9 @@ pub(crate) struct Surfaces<'a, const D: usize> {
     pub(crate) budget: &'a Budget<'a>,
 }
 
-/// The solids are cut into boxes.
+/// The solids, whose sides are parallel to the axes, are cut into boxes.
 pub(crate) struct Pieces<'a, const D: usize> {
     pub(crate) solids: &'a mut Solids<D>,
-    /// How far slanted edges may be off, metres.
-    pub(crate) tolerance: f64,
     pub(crate) outline: &'a mut Vec<Vector<2>>,
     pub(crate) budget: &'a Budget<'a>,
 }
@@ -119,11 +117,11 @@ impl TakeSolids<2> for Pieces<'_, 2> {
         points: &[message::Vector],
     ) -> Result<(), Refused> {
         let solid = check::polygon(field, points, self.outline, self.budget)?;
-        let pushed = self.solids.push_polygon(&solid, self.tolerance, self.budget);
+        let pushed = self.solids.push_polygon(&solid, self.budget);
         *self.outline = solid.into_vertices();
         pushed.map_err(|error| match error {
             SolidsError::Spent(spent) => spent.into(),
-            SolidsError::ToleranceNotPositive { .. } => {
+            SolidsError::Slanted { .. } => {
                 let field = field();
                 let message = format!("{field}: {error}");
                 Refusal::invalid(field, message).into()

@@ -2,7 +2,7 @@
 
 use crate::budget::{Budget, Cap, Spent};
 use crate::free_space::mouth_of;
-use crate::geometry::number::Number;
+use crate::geometry::number::Point;
 use crate::geometry::polygon::Polygon;
 use crate::geometry::{AxisBox, Direction, HalfSpace, Sign, Vector};
 use sweep::Sweep;
@@ -20,16 +20,15 @@ pub use union::UnionInCavity;
 /// Why a solid can't be cut into boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SolidsError {
-    /// A polygon has slanted edges, but the tolerance is not a positive number.
-    #[error(
-        "the tolerance for slanted edges is {} m, it must be greater than {} m",
-        Number(*tolerance), Number(*least)
-    )]
-    ToleranceNotPositive {
-        /// The tolerance given, metres.
-        tolerance: f64,
-        /// It must be greater than this, metres.
-        least: f64,
+    /// A polygon has an edge that is parallel to no axis.
+    #[error("edge {edge} of the polygon, from {} to {}, is slanted", Point(from), Point(to))]
+    Slanted {
+        /// Index of the first such edge.
+        edge: usize,
+        /// Its beginning, metres.
+        from: Vector<2>,
+        /// Its end, metres.
+        to: Vector<2>,
     },
     /// The budget ended.
     #[error(transparent)]
@@ -192,18 +191,14 @@ impl<const D: usize> Solids<D> {
 }
 
 impl Solids<2> {
-    /// Adds a solid polygon. Edges parallel to the axes are kept exactly; a slanted edge is
-    /// replaced by steps outside it, so that no channel overlaps the polygon. The steps stay
-    /// within `tolerance` (metres) of the edge, measured along the axis that is nearer to
-    /// perpendicular to it.
+    /// Adds a solid polygon whose edges are parallel to the axes, cut into boxes exactly.
     pub fn push_polygon(
         &mut self,
         polygon: &Polygon,
-        tolerance: f64,
         budget: &Budget<'_>,
     ) -> Result<(), SolidsError> {
         let before = self.boxes.len();
-        outline::cut(polygon.vertices(), tolerance, &mut self.boxes, budget)?;
+        outline::cut(polygon.vertices(), &mut self.boxes, budget)?;
         budget.hold((self.boxes.len() - before) * Self::BYTES_PER_BOX)?;
         self.count_solid();
         Ok(())

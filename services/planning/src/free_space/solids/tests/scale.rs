@@ -88,7 +88,7 @@ fn work_in_a_comb_grows_hardly_more() {
         let end = vertices as f64 / 4.0 * 4.0;
         outline.extend([[end, 0.0], [0.0, 0.0]]);
         let mut solids = Solids::default();
-        solids.push_polygon(&polygon(&outline), f64::NAN, &Budget::default()).expect("a solid");
+        solids.push_polygon(&polygon(&outline), &Budget::default()).expect("a solid");
         let bounds = solids.bounds().expect("a solid");
         (solids, bounds)
     });
