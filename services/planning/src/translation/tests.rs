@@ -16,14 +16,20 @@ use judge::Strictness;
 use scene::{Scene, length, scenes};
 
 mod judge;
+mod kinds;
 mod scene;
 
 const CONTACT: Demand<2> = Demand::AtLeast(0.0);
 
+/// The same random numbers in each run.
+fn runner() -> TestRunner {
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    TestRunner::new_with_rng(Config::default(), rng)
+}
+
 /// Random scenes of all kinds, the same in each run.
 fn each_scene(count: usize, mut check: impl FnMut(&Scene)) {
-    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    let mut runner = TestRunner::new_with_rng(Config::default(), rng);
+    let mut runner = runner();
     for _ in 0..count {
         let tree = scenes().new_tree(&mut runner).unwrap();
         check(&tree.current());

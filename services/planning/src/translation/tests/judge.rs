@@ -20,22 +20,9 @@ pub(super) struct Strictness {
 /// The length of the shortest way out; `None` where there is none.
 pub(super) fn shortest(scene: &Scene, strictness: Strictness) -> Option<f64> {
     let Strictness { grown, allowed } = strictness;
-    let square = [[-grown, -grown], [grown, -grown], [grown, grown], [-grown, grown]];
-    let square: Vec<Vector<2>> = square.map(Vector::from).to_vec();
     let mut solids = scene.solids.concat();
     solids.extend(slabs(&scene.bounds));
-    let mut hulls = Vec::new();
-    for solid in &solids {
-        for piece in &scene.body {
-            let mut differences = Vec::new();
-            for a in solid {
-                for b in piece {
-                    differences.extend(square.iter().map(|corner| a - b + corner));
-                }
-            }
-            hulls.push(hull(differences));
-        }
-    }
+    let hulls = sums(&solids, &scene.body, grown);
     // Up to where the least coordinate of the body is at the end of the bounds.
     let lowest = scene.body.concat().iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let out = scene.bounds.max().y - lowest;
@@ -81,6 +68,31 @@ pub(super) fn shortest(scene: &Scene, strictness: Strictness) -> Option<f64> {
     best.is_finite().then_some(best)
 }
 
+/// The least distance from the solids on a way among them, metres.
+pub(super) fn clearance(scene: &Scene, way: &[Vector<2>]) -> f64 {
+    let hulls = sums(&scene.solids.concat(), &scene.body, 0.0);
+    let apart =
+        way.windows(2).flat_map(|ends| hulls.iter().map(|hull| hull.distance(&ends[0], &ends[1])));
+    apart.fold(f64::INFINITY, f64::min)
+}
+
+/// The sums of solids and the reflected pieces of a body, enlarged by a square of this half width,
+/// metres.
+fn sums(solids: &[Convex], body: &[Convex], grown: f64) -> Vec<Hull> {
+    let square = [[-grown, -grown], [grown, -grown], [grown, grown], [-grown, grown]];
+    let square = square.map(Vector::from);
+    let of_pair = |solid: &Convex, piece: &Convex| {
+        let mut differences = Vec::new();
+        for a in solid {
+            for b in piece {
+                differences.extend(square.iter().map(|corner| a - b + corner));
+            }
+        }
+        hull(differences)
+    };
+    solids.iter().flat_map(|solid| body.iter().map(|piece| of_pair(solid, piece))).collect()
+}
+
 /// Boxes beside and below the bounds, up to the mouth above.
 fn slabs(bounds: &AxisBox<2>) -> [Convex; 3] {
     let (min, max) = (bounds.min(), bounds.max());
@@ -118,6 +130,23 @@ impl Hull {
             }
         }
         enter < exit
+    }
+
+    /// The distance of a segment, metres; 0 if it comes inside.
+    fn distance(&self, from: &Vector<2>, to: &Vector<2>) -> f64 {
+        if self.is_crossed(from, to, 0.0) {
+            return 0.0;
+        }
+        let apart = |point: &Vector<2>, a: &Vector<2>, b: &Vector<2>| {
+            let along = b - a;
+            let part = (point - a).dot(&along) / along.norm_squared();
+            let part = if part > 0.0 { part.min(1.0) } else { 0.0 };
+            (point - a - along * part).norm()
+        };
+        let each = self
+            .edges()
+            .flat_map(|(a, b)| [apart(&a, from, to), apart(from, &a, &b), apart(to, &a, &b)]);
+        each.fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -46,7 +46,7 @@ fn u_shape(width: f64, height: f64, thickness: f64) -> Shape {
     )
 }
 
-fn l_shape(width: f64, height: f64, thickness: f64) -> Shape {
+pub(super) fn l_shape(width: f64, height: f64, thickness: f64) -> Shape {
     let (w, h, t) = (width, height, thickness);
     let outline = [[0.0, 0.0], [w, 0.0], [w, t], [t, t], [t, h], [0.0, h]];
     let pieces = [space([0.0, 0.0], [w, t]), space([0.0, 0.0], [t, h])];
@@ -63,62 +63,89 @@ pub(super) fn placed(shape: &Shape, angle: f64, to: Vector<2>) -> Shape {
     (place(&shape.0), shape.1.iter().map(place).collect())
 }
 
-/// A part about the origin, some 1 m large: a box, a convex polygon, an L or a notched part.
-pub(super) fn part() -> impl Strategy<Value = Shape> {
-    let sizes = (0.5..1.2_f64, 0.5..1.2_f64, 0.1..0.4_f64);
-    (0..4_usize, sizes, proptest::collection::vec(0.3..1.0_f64, 3..7)).prop_map(
-        |(kind, (width, height, thickness), angles)| {
-            let shape = match kind {
-                0 => space([0.0, 0.0], [width, height]),
-                1 => {
-                    // On a circle, so convex.
-                    let whole: f64 = angles.iter().sum();
-                    let mut at = 0.0;
-                    let outline: Vec<Vector<2>> = angles
-                        .iter()
-                        .map(|part| {
-                            at += part / whole * std::f64::consts::TAU;
-                            unit(at) * width / 2.0
-                        })
-                        .collect();
-                    return (outline.clone(), vec![outline]);
-                }
-                2 => l_shape(width, height, thickness),
-                _ => u_shape(width, height, thickness.min(0.4 * width)),
-            };
-            placed(&shape, 0.0, Vector::from([-width / 2.0, -height / 2.0]))
-        },
-    )
+/// The parts that people have.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum PartKind {
+    Box,
+    Convex,
+    L,
+    Notched,
 }
 
-/// A room of 10 m by 8 m with a ceiling that has openings, and blocks in it.
-fn room(block_angle: impl Strategy<Value = f64>) -> impl Strategy<Value = Vec<Shape>> {
-    let blocks = proptest::collection::vec(
-        ((0.0..10.0_f64, 0.5..7.0_f64), (0.3..2.5_f64, 0.3..2.5_f64), block_angle),
-        2..6,
-    );
-    let doors = (0.5..4.0_f64, 0.4..1.6_f64, 5.0..8.0_f64, 0.4..1.6_f64);
-    (blocks, doors).prop_map(|(blocks, (first, wide, second, wider))| {
-        let mut solids = vec![
-            space([-1.0, -1.0], [11.0, 0.0]),
-            space([-1.0, 0.0], [0.0, 9.0]),
-            space([10.0, 0.0], [11.0, 9.0]),
-            space([0.0, 8.0], [first, 9.0]),
-            space([first + wide, 8.0], [second, 9.0]),
-            space([second + wider, 8.0], [10.0, 9.0]),
-        ];
-        for ((x, z), (width, height), angle) in blocks {
+impl PartKind {
+    pub(super) const ALL: &[Self] = &[Self::Box, Self::Convex, Self::L, Self::Notched];
+
+    /// Of this width, height and thickness, metres; convex ones have corners on a circle, apart by
+    /// parts of the whole.
+    fn shape(self, (width, height, thickness): (f64, f64, f64), corners: &[f64]) -> Shape {
+        let shape = match self {
+            Self::Box => space([0.0, 0.0], [width, height]),
+            Self::Convex => {
+                let whole: f64 = corners.iter().sum();
+                let mut at = 0.0;
+                let outline: Vec<Vector<2>> = corners
+                    .iter()
+                    .map(|part| {
+                        at += part / whole * std::f64::consts::TAU;
+                        unit(at) * width / 2.0
+                    })
+                    .collect();
+                return (outline.clone(), vec![outline]);
+            }
+            Self::L => l_shape(width, height, thickness),
+            Self::Notched => u_shape(width, height, thickness.min(0.4 * width)),
+        };
+        placed(&shape, 0.0, Vector::from([-width / 2.0, -height / 2.0]))
+    }
+}
+
+/// A part about the origin, some 1 m large, of one of some kinds.
+pub(super) fn part(kinds: &'static [PartKind]) -> impl Strategy<Value = Shape> {
+    let sizes = (0.5..1.2_f64, 0.5..1.2_f64, 0.1..0.4_f64);
+    (0..kinds.len(), sizes, proptest::collection::vec(0.3..1.0_f64, 3..7))
+        .prop_map(|(kind, sizes, corners)| kinds[kind].shape(sizes, &corners))
+}
+
+/// Blocks in a room.
+pub(super) fn blocks(angle: impl Strategy<Value = f64>) -> impl Strategy<Value = Vec<Shape>> {
+    let block = ((0.0..10.0_f64, 0.5..7.0_f64), (0.3..2.5_f64, 0.3..2.5_f64), angle).prop_map(
+        |((x, z), (width, height), angle)| {
             let block = space([-width / 2.0, -height / 2.0], [width / 2.0, height / 2.0]);
-            solids.push(placed(&block, angle, Vector::from([x, z])));
-        }
-        solids
+            placed(&block, angle, Vector::from([x, z]))
+        },
+    );
+    proptest::collection::vec(block, 2..6)
+}
+
+/// A room of 10 m by 8 m with blocks in it, and a ceiling that has two openings: where they begin and
+/// how wide they are, metres.
+pub(super) fn room_of(
+    [[first, wide], [second, wider]]: [[f64; 2]; 2],
+    blocks: Vec<Shape>,
+) -> Vec<Shape> {
+    let mut solids = vec![
+        space([-1.0, -1.0], [11.0, 0.0]),
+        space([-1.0, 0.0], [0.0, 9.0]),
+        space([10.0, 0.0], [11.0, 9.0]),
+        space([0.0, 8.0], [first, 9.0]),
+        space([first + wide, 8.0], [second, 9.0]),
+        space([second + wider, 8.0], [10.0, 9.0]),
+    ];
+    solids.extend(blocks);
+    solids
+}
+
+fn room(block_angle: impl Strategy<Value = f64>) -> impl Strategy<Value = Vec<Shape>> {
+    let doors = (0.5..4.0_f64, 0.4..1.6_f64, 5.0..8.0_f64, 0.4..1.6_f64);
+    (blocks(block_angle), doors).prop_map(|(blocks, (first, wide, second, wider))| {
+        room_of([[first, wide], [second, wider]], blocks)
     })
 }
 
 /// A slot as wide as the part needs, and some play, at an angle; the part turned as well, or not.
 fn slot(turned: bool) -> impl Strategy<Value = Scene> {
     let play = prop_oneof![Just(0.0), 1e-6..1e-5_f64, 0.02..0.6_f64];
-    (part(), play, -1.4..1.4_f64, 0.5..2.0_f64, 0.0..0.5_f64).prop_map(
+    (part(PartKind::ALL), play, -1.4..1.4_f64, 0.5..2.0_f64, 0.0..0.5_f64).prop_map(
         move |(part, play, angle, depth, lean)| {
             let part = if turned { part } else { placed(&part, -angle, Vector::zeros()) };
             let low = part.0.iter().fold(Vector::<2>::repeat(f64::INFINITY), |a, b| a.inf(b));
@@ -136,23 +163,25 @@ fn slot(turned: bool) -> impl Strategy<Value = Scene> {
 
 /// A channel between two slanted walls, with a floor and a step in it.
 fn slanted() -> impl Strategy<Value = Scene> {
-    (part(), 0.9..2.5_f64, -0.8..0.8_f64, 0.0..0.8_f64).prop_map(|(part, width, lean, step)| {
-        let slanted = |from: f64, to: f64| -> Shape {
-            let top = 6.0 * lean;
-            let outline = [[from, 0.0], [to, 0.0], [to + top, 6.0], [from + top, 6.0]];
-            let outline = outline.map(Vector::from).to_vec();
-            (outline.clone(), vec![outline])
-        };
-        let solids = vec![
-            slanted(-2.0, 0.0),
-            slanted(width, width + 2.0),
-            space([-8.0, -1.0], [12.0, 0.0]),
-            placed(&space([-0.5, -0.2], [0.5 + step, 0.2]), 0.3, [3.0 * lean, 3.5].into()),
-        ];
-        let low = part.0.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
-        let at = Vector::from([width / 2.0 + 0.7 * lean, 0.1 - low]);
-        scene(solids, placed(&part, 0.0, at))
-    })
+    (part(PartKind::ALL), 0.9..2.5_f64, -0.8..0.8_f64, 0.0..0.8_f64).prop_map(
+        |(part, width, lean, step)| {
+            let slanted = |from: f64, to: f64| -> Shape {
+                let top = 6.0 * lean;
+                let outline = [[from, 0.0], [to, 0.0], [to + top, 6.0], [from + top, 6.0]];
+                let outline = outline.map(Vector::from).to_vec();
+                (outline.clone(), vec![outline])
+            };
+            let solids = vec![
+                slanted(-2.0, 0.0),
+                slanted(width, width + 2.0),
+                space([-8.0, -1.0], [12.0, 0.0]),
+                placed(&space([-0.5, -0.2], [0.5 + step, 0.2]), 0.3, [3.0 * lean, 3.5].into()),
+            ];
+            let low = part.0.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+            let at = Vector::from([width / 2.0 + 0.7 * lean, 0.1 - low]);
+            scene(solids, placed(&part, 0.0, at))
+        },
+    )
 }
 
 pub(super) fn scene(solids: Vec<Shape>, (outline, body): Shape) -> Scene {
@@ -165,7 +194,7 @@ pub(super) fn scene(solids: Vec<Shape>, (outline, body): Shape) -> Scene {
 
 fn in_room(solids: impl Strategy<Value = Vec<Shape>>, angle: f64) -> impl Strategy<Value = Scene> {
     let at = (1.0..9.0_f64, 1.0..5.0_f64);
-    (solids, part(), at, -angle..=angle).prop_map(|(solids, part, (x, z), angle)| {
+    (solids, part(PartKind::ALL), at, -angle..=angle).prop_map(|(solids, part, (x, z), angle)| {
         scene(solids, placed(&part, angle, Vector::from([x, z])))
     })
 }
