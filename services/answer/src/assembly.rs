@@ -34,7 +34,7 @@ use body::BodyBuffers;
 use course::Course;
 use frames::Ends;
 use gap::gap_of;
-use slide::{Slide, slide};
+use slide::{PlaneSlide, Slide};
 use terms::Terms;
 
 /// Memory for assembly tasks in `D` dimensions.
@@ -101,7 +101,8 @@ impl Assembly<2> {
         let ends = Ends::of(scene)?;
         let given = ends.body.as_ref().unwrap_or(&scene.body);
         let body = memory_of_body.read(given, resources.budget)?;
-        let terms = Terms::new(scene, PLANE, (body, Some(slide), &ends), wishes)?;
+        let slide = PlaneSlide::default();
+        let terms = Terms::new(scene, PLANE, (body, Some(&slide), &ends), wishes)?;
         let source = Source::read(scene, &PLANE, body.is_box(), buffers, &mut resources)?;
         let budget = resources.budget;
         let mut ways = [const { None }; MOST_EXITS];
@@ -289,12 +290,12 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         &mut self,
         at: usize,
         wish: &Wish<'_>,
-        (slide, outlines): (Slide<D>, &Outlines<D>),
+        (slide, outlines): (&dyn Slide<D>, &Outlines<D>),
     ) -> Result<(), Refused> {
         let Self { terms, ways, memory, resources, .. } = self;
         let (Some(way), Some(known)) = (&ways[at], memory.course.room()) else { return Ok(()) };
         let more = translation::Demand::MoreThan(known.1);
-        match slide(&terms.body, outlines, way.exit, more, resources.budget) {
+        match slide.find(&terms.body, outlines, way.exit, more, resources.budget) {
             Ok(_) => {}
             Err(NoWay::Spent(spent)) => return Err(spent.into()),
             Err(_) => return Ok(()),
@@ -325,7 +326,7 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
         &mut self,
         at: usize,
         wish: &Wish<'_>,
-        (slide, outlines): (Slide<D>, &Outlines<D>),
+        (slide, outlines): (&dyn Slide<D>, &Outlines<D>),
     ) -> Result<(), Refused> {
         let Self { terms, ways, memory, resources, .. } = self;
         let Memory { gaps, course, .. } = &mut **memory;
@@ -352,7 +353,8 @@ impl<'a, 'w, const D: usize> AssemblyJob<'a, 'w, D> {
                 check::gap(&wish.field(), *value)?;
             }
         }
-        let way = slide(body, outlines, *exit, asked, budget)
+        let way = slide
+            .find(body, outlines, *exit, asked, budget)
             .map_err(|error| refuse::no_way(axes, wish.field(), asked, error))?;
         course.take(&way);
         if let (Some(outside), Some(out)) = (ends.outside, way.last()) {

@@ -1,5 +1,8 @@
 //! Ways between the outlines of solids, without channels.
 
+use std::cell::OnceCell;
+use std::fmt;
+
 use planning::budget::Budget;
 use planning::clearance::translating::Body;
 use planning::geometry::{Direction, Vector};
@@ -7,25 +10,44 @@ use planning::translation::{self, Cavity, MovedPart, NoWay};
 
 use crate::free_space::Outlines;
 
-/// Finds a way between outlines that leads out along an exit.
-pub(super) type Slide<const D: usize> = fn(
-    &Body<'_, D>,
-    &Outlines<D>,
-    Direction,
-    translation::Demand<D>,
-    &Budget<'_>,
-) -> Result<Vec<Vector<D>>, NoWay<D>>;
+/// What finds ways between outlines for one body.
+pub(super) trait Slide<const D: usize>: fmt::Debug {
+    /// A way that leads out along an exit.
+    fn find(
+        &self,
+        body: &Body<'_, D>,
+        outlines: &Outlines<D>,
+        exit: Direction,
+        wish: translation::Demand<D>,
+        budget: &Budget<'_>,
+    ) -> Result<Vec<Vector<D>>, NoWay<D>>;
+}
 
-/// Finds a way in the plane.
-pub(super) fn slide(
-    body: &Body<'_, 2>,
-    outlines: &Outlines<2>,
-    exit: Direction,
-    wish: translation::Demand<2>,
-    budget: &Budget<'_>,
-) -> Result<Vec<Vector<2>>, NoWay<2>> {
-    let part = MovedPart::new(body, budget)?;
-    let Some(bounds) = outlines.bounds() else { return Err(NoWay::Closed(None)) };
-    let cavity = Cavity { part: &part, walls: outlines.walls(), bounds, exit };
-    cavity.plan(wish, budget)
+/// Finds ways in the plane, for the first body that it is asked for.
+#[derive(Debug, Default)]
+pub(super) struct PlaneSlide {
+    /// It is cut once for all exits and answers.
+    part: OnceCell<MovedPart>,
+}
+
+impl Slide<2> for PlaneSlide {
+    fn find(
+        &self,
+        body: &Body<'_, 2>,
+        outlines: &Outlines<2>,
+        exit: Direction,
+        wish: translation::Demand<2>,
+        budget: &Budget<'_>,
+    ) -> Result<Vec<Vector<2>>, NoWay<2>> {
+        let part = match self.part.get() {
+            Some(part) => part,
+            None => {
+                let part = MovedPart::new(body, budget)?;
+                self.part.get_or_init(|| part)
+            }
+        };
+        let Some(bounds) = outlines.bounds() else { return Err(NoWay::Closed(None)) };
+        let cavity = Cavity { part, walls: outlines.walls(), bounds, exit };
+        cavity.plan(wish, budget)
+    }
 }

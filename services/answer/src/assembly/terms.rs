@@ -25,7 +25,7 @@ pub(super) struct Terms<'a, const D: usize> {
     pub(super) axes: Axes,
     pub(super) body: Body<'a, D>,
     /// What finds a way without channels, if anything does.
-    pub(super) slide: Option<Slide<D>>,
+    pub(super) slide: Option<&'a dyn Slide<D>>,
     pub(super) ends: &'a Ends<D>,
     pub(super) pace: Pace,
 }
@@ -34,7 +34,7 @@ impl<'a, const D: usize> Terms<'a, D> {
     pub(super) fn new(
         scene: Scene<'a>,
         axes: Axes,
-        (body, slide, ends): (Body<'a, D>, Option<Slide<D>>, &'a Ends<D>),
+        (body, slide, ends): (Body<'a, D>, Option<&'a dyn Slide<D>>, &'a Ends<D>),
         wishes: &Wishes<'_>,
     ) -> Result<Self, Refusal> {
         let stops = match scene.corners {
