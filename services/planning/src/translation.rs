@@ -117,8 +117,6 @@ impl<const D: usize> From<Spent> for NoWay<D> {
 pub struct MovedPart {
     /// Reflected at the origin.
     pieces: Vec<Vec<Vector<2>>>,
-    /// Of the reflected part.
-    hull: Vec<Vector<2>>,
     outlines: Vec<Vec<Vector<2>>>,
     bounds: AxisBox<2>,
 }
@@ -134,9 +132,7 @@ impl MovedPart {
         for piece in &mut pieces {
             piece.iter_mut().for_each(|vertex| *vertex = -*vertex);
         }
-        let reflected: Vec<_> = outlines.iter().flatten().map(|vertex| -*vertex).collect();
-        let hull = convex::hull(&reflected);
-        Ok(Self { pieces, hull, outlines, bounds: *body.bounds() })
+        Ok(Self { pieces, outlines, bounds: *body.bounds() })
     }
 }
 
@@ -244,7 +240,6 @@ impl Cavity<'_> {
             blocks,
             limits,
             pieces: &self.part.pieces,
-            hull: &self.part.hull,
             relaxed: const { &[Vector::<2>::new(0.0, 0.0)] },
             bounds: [-part.max(), -part.min()],
             center: part.center(),

@@ -104,10 +104,13 @@ fn merge(
         of_edge.extend(edges(piece).into_iter().map(|edge| (edge, index)));
     }
     let diagonals: Vec<_> = of_edge.keys().copied().filter(|(a, b)| a < b).collect();
+    // What each piece has become a part of.
+    let mut whole: Vec<usize> = (0..pieces.len()).collect();
     for (a, b) in diagonals {
         let (Some(&one), Some(&other)) = (of_edge.get(&(a, b)), of_edge.get(&(b, a))) else {
             continue;
         };
+        let (one, other) = (find(&mut whole, one), find(&mut whole, other));
         if one == other {
             continue;
         }
@@ -127,15 +130,23 @@ fn merge(
             turn(outline, corner) != Side::Right
         });
         if is_convex {
-            for edge in edges(&joined) {
-                of_edge.insert(edge, one);
-            }
+            whole[other] = one;
             pieces[one] = joined;
             pieces[other].clear();
         }
     }
     pieces.retain(|piece| !piece.is_empty());
     Ok(pieces)
+}
+
+/// The piece that another has become a part of; the way to it is halved.
+fn find(whole: &mut [usize], piece: usize) -> usize {
+    let mut at = piece;
+    while whole[at] != at {
+        whole[at] = whole[whole[at]];
+        at = whole[at];
+    }
+    at
 }
 
 /// Refills `sum` with the Minkowski sum of two convex polygons, counter-clockwise; either may be a
@@ -171,42 +182,32 @@ pub(super) fn lowest(polygon: &[Vector<2>]) -> usize {
 /// Positive where the edge `a` comes before `b` counter-clockwise from the direction +x, 0 where
 /// they are parallel.
 pub(super) fn angle_order(a: &Vector<2>, b: &Vector<2>) -> f64 {
-    let is_down = |edge: &Vector<2>| edge[1] < 0.0 || (edge[1] == 0.0 && edge[0] < 0.0);
-    match (is_down(a), is_down(b)) {
+    match (leads_down(a), leads_down(b)) {
         (false, true) => 1.0,
         (true, false) => -1.0,
         _ => cross(a, b),
     }
 }
 
-/// The convex polygon around points, counter-clockwise (Andrew's monotone chain).
-pub(super) fn hull(points: &[Vector<2>]) -> Vec<Vector<2>> {
-    let mut points = points.to_vec();
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let mut hull: Vec<Vector<2>> = Vec::new();
-    for _ in 0..2 {
-        let first = hull.len();
-        for point in &points {
-            while let [.., a, b] = &hull[first..]
-                && side_of_line(a, b, point) != Side::Left
-            {
-                hull.pop();
-            }
-            hull.push(*point);
-        }
-        // The other chain begins with it.
-        hull.pop();
-        points.reverse();
-    }
-    hull
+/// Whether an edge is in the second half turn from the direction +x.
+pub(super) fn leads_down(edge: &Vector<2>) -> bool {
+    edge[1] < 0.0 || (edge[1] == 0.0 && edge[0] < 0.0)
 }
 
-/// The least and the greatest coordinates of a polygon.
-pub(super) fn bounds(polygon: &[Vector<2>]) -> [Vector<2>; 2] {
-    polygon.iter().fold(
+/// The least and the greatest coordinates of points.
+pub(super) fn bounds<'a>(points: impl IntoIterator<Item = &'a Vector<2>>) -> [Vector<2>; 2] {
+    points.into_iter().fold(
         [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)],
-        |[min, max], vertex| [min.inf(vertex), max.sup(vertex)],
+        |[min, max], point| [min.inf(point), max.sup(point)],
     )
+}
+
+/// The centre and the radius of a circle around points, about the middle of their bounds, metres.
+pub(super) fn circle<'a>(points: impl Iterator<Item = &'a Vector<2>> + Clone) -> (Vector<2>, f64) {
+    let [min, max] = bounds(points.clone());
+    let center = (min + max) / 2.0;
+    let square = points.map(|at| (at - center).norm_squared()).fold(0.0, f64::max);
+    (center, square.sqrt())
 }
 
 /// The farthest that a polygon reaches along `direction`.

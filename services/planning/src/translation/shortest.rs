@@ -58,8 +58,9 @@ struct Settled {
     /// The way arrives in this direction, a unit vector, on a line of this length, metres; zero if
     /// that is too short to tell.
     arriving: (Vector<2>, f64),
-    /// Along the side of that sum that follows, likewise: a way that turns farther would enter it.
-    along: Vector<2>,
+    /// What is on the right of one of these directions is aside: a way that goes on there would turn
+    /// away from that sum, or into it. Zero where there is no telling.
+    wedge: [Vector<2>; 2],
     length: f64,
     before: usize,
     /// The known sums that reach into what lies ahead; first what was in the way last.
@@ -82,6 +83,8 @@ impl Settled {
 struct SumCorner {
     /// The place there where sums are on the left of the way, and where they are on the right.
     places: [Option<u32>; 2],
+    /// Whether it is known to be inside of a sum: no way leads there.
+    is_buried: bool,
 }
 
 impl SumCorner {
@@ -100,7 +103,7 @@ struct KnownSum {
     sum: usize,
     /// A circle around it.
     around: (Vector<2>, f64),
-    /// The corner at each vertex.
+    /// The corner at each vertex, `NONE` where no line has led yet.
     corners: Vec<u32>,
     /// Where it meets the line of the goal.
     ends: Vec<Vector<2>>,
@@ -192,7 +195,7 @@ pub(super) fn shortest(
         at: nowhere,
         side: None,
         arriving: (nowhere, 0.0),
-        along: nowhere,
+        wedge: [nowhere; 2],
         length: 0.0,
         before: 0,
         ahead: Vec::new(),
@@ -244,11 +247,14 @@ impl WaySearch<'_, '_, '_> {
             let length = line.norm();
             if length > least { (line / length, length) } else { (Vector::zeros(), 0.0) }
         };
+        let arriving = towards(at - self.places[before].at);
+        // From straight on to along the side of that sum that follows.
+        let turned = if side == Side::Left { 1.0 } else { -1.0 };
         let place = Settled {
             at,
             side: Some(side),
-            arriving: towards(at - self.places[before].at),
-            along: towards(along).0,
+            arriving,
+            wedge: [arriving.0 * turned, towards(along).0 * -turned],
             length,
             before,
             ahead: Vec::new(),
@@ -289,6 +295,15 @@ impl WaySearch<'_, '_, '_> {
         Ok(found.is_some())
     }
 
+    /// Remembers of a line's end if it is inside the sum that is in the way of the line, which is the
+    /// first of those ahead.
+    fn bury(&mut self, from: usize, target: LineEnd, to: &Vector<2>) {
+        let LineEnd::Vertex { corner, .. } = target else { return };
+        let Some(known) = self.places[from].ahead.first() else { return };
+        let sum = self.known[*known as usize].sum;
+        self.corners[corner as usize].is_buried = self.sums.polygon(sum).holds(to);
+    }
+
     /// Puts all lines from a place into the queue.
     fn expand(&mut self, from: usize) -> Result<(), Spent> {
         let at = self.places[from].at;
@@ -297,7 +312,9 @@ impl WaySearch<'_, '_, '_> {
         self.found.push((goal, LineEnd::Goal));
         self.budget.step(self.known.len() as u64 / 2)?;
         for known in 0..self.known.len() {
-            self.look_at(from, known)?;
+            if !self.is_aside(&self.places[from], &self.known[known].around) {
+                self.look_at(from, known)?;
+            }
         }
         self.push_found(from)
     }
@@ -316,21 +333,16 @@ impl WaySearch<'_, '_, '_> {
             ((before < 0.0) != (after < 0.0)).then(|| self.out.beside(&place))
         });
         let ends = ends.collect();
-        let corners = vertices.iter().map(|vertex| {
-            // No negative zero.
-            let key = ((vertex.x + 0.0).to_bits(), (vertex.y + 0.0).to_bits());
-            *self.corner_at.entry(key).or_insert_with(|| {
-                self.corners.push(SumCorner { places: [None; 2] });
-                named(self.corners.len() - 1)
-            })
-        });
-        let corners: Vec<_> = corners.collect();
+        let corners = vec![NONE; vertices.len()];
         self.budget.step(STEPS_PER_LINE * corners.len() as u64)?;
         self.take(BYTES_PER_VERTEX * corners.len())?;
         let around = self.sums.polygon(sum).around();
         self.known.push(KnownSum { sum, around, corners, ends });
         self.budget.step(self.places.len() as u64 / 2)?;
         for from in 0..self.places.len() {
+            if self.is_aside(&self.places[from], &around) {
+                continue;
+            }
             self.found.clear();
             self.look_at(from, self.known.len() - 1)?;
             self.push_found(from)?;
@@ -338,14 +350,10 @@ impl WaySearch<'_, '_, '_> {
         Ok(())
     }
 
-    /// Finds the lines from a place to a known sum: those that touch it, and those to where it meets
+    /// Finds the lines from a place to a known sum, unless that is aside: those that touch it, and those to where it meets
     /// the line of the goal.
     fn look_at(&mut self, from: usize, known: usize) -> Result<(), Spent> {
-        let KnownSum { sum, around, corners, ends } = &self.known[known];
-        if self.is_aside(&self.places[from], around) {
-            return Ok(());
-        }
-        let polygon = self.sums.polygon(*sum);
+        let polygon = self.sums.polygon(self.known[known].sum);
         self.budget.step(2)?;
         if self.has_aside(&self.places[from], polygon) {
             return Ok(());
@@ -356,10 +364,17 @@ impl WaySearch<'_, '_, '_> {
         let place = &mut self.places[from];
         place.ahead.push(named(known));
         let at = place.at;
+        let KnownSum { corners: names, ends, .. } = &mut self.known[known];
         polygon.touching(&at, self.sums.rounding(), |index, vertex, side| {
             let next = if side == Side::Left { index + 1 } else { index + count - 1 };
             let along = vertices[next % count] - vertex;
-            self.found.push((*vertex, LineEnd::Vertex { corner: corners[index], side, along }));
+            if names[index] == NONE {
+                names[index] = name_of(vertex, &mut self.corner_at, &mut self.corners);
+            }
+            let corner = names[index];
+            if !self.corners[corner as usize].is_buried {
+                self.found.push((*vertex, LineEnd::Vertex { corner, side, along }));
+            }
         });
         self.found.extend(ends.iter().map(|end| (*end, LineEnd::Goal)));
         self.take(size_of::<u32>())
@@ -373,10 +388,11 @@ impl WaySearch<'_, '_, '_> {
             let place = &self.places[from];
             let shift = Shift::new(&place.at, &to);
             let length = place.length + shift.length();
-            if !self.goes_on(place, &shift)
-                || self.is_beaten(target, length)
-                || self.is_blocked(from, &shift)?
-            {
+            if !self.goes_on(place, &shift) || self.is_beaten(target, length) {
+                continue;
+            }
+            if self.is_blocked(from, &shift)? {
+                self.bury(from, target, &to);
                 continue;
             }
             let left = match target {
@@ -410,17 +426,14 @@ impl WaySearch<'_, '_, '_> {
     /// touches there, or into it.
     fn has_aside(&self, place: &Settled, sum: &SumPolygon) -> bool {
         let beyond = -2.0 * self.least();
-        let turned = |direction: &Vector<2>| direction * place.turned(1.0);
-        sum.farthest_left(&place.at, &turned(&place.arriving.0)) < beyond
-            || sum.farthest_left(&place.at, &-turned(&place.along)) < beyond
+        place.wedge.iter().any(|side| sum.is_right_of((&place.at, side), beyond))
     }
 
     /// The same of a circle.
     fn is_aside(&self, place: &Settled, (center, radius): &(Vector<2>, f64)) -> bool {
         let to = center - place.at;
         let beyond = -(radius + 2.0 * self.least());
-        place.turned(cross(&place.arriving.0, &to)) < beyond
-            || place.turned(cross(&to, &place.along)) < beyond
+        place.wedge.iter().any(|side| cross(side, &to) < beyond)
     }
 
     /// Shorter lines have no direction, metres.
@@ -444,6 +457,22 @@ impl WaySearch<'_, '_, '_> {
     }
 }
 
+/// The corner at a vertex, which sums may share.
+fn name_of(
+    vertex: &Vector<2>,
+    known: &mut BTreeMap<(u64, u64), u32>,
+    corners: &mut Vec<SumCorner>,
+) -> u32 {
+    // No negative zero.
+    let key = ((vertex.x + 0.0).to_bits(), (vertex.y + 0.0).to_bits());
+    *known.entry(key).or_insert_with(|| {
+        corners.push(SumCorner { places: [None; 2], is_buried: false });
+        named(corners.len() - 1)
+    })
+}
+
+const NONE: u32 = u32::MAX;
+
 fn named(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
+    u32::try_from(index).unwrap_or(NONE)
 }

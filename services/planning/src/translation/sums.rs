@@ -8,11 +8,16 @@ use crate::budget::{Budget, Spent};
 use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::Vector;
 pub(super) use polygon::{Shift, SumPolygon};
+use span::{Span, Spans};
 
 mod polygon;
+mod span;
 
 /// Vertices of a sum looked at in one step.
 const VERTICES_PER_STEP: u64 = 2;
+
+/// Pieces passed over in one step.
+const PIECES_PER_STEP: u64 = 8;
 
 /// Bytes that a vertex of a sum takes, with its face.
 const BYTES_PER_VERTEX: usize = 40;
@@ -39,8 +44,6 @@ pub(super) struct Obstacles<'a> {
     pub(super) limits: &'a [Wall<2>],
     /// The body reflected at the origin, cut into convex pieces, counter-clockwise.
     pub(super) pieces: &'a [Vec<Vector<2>>],
-    /// The convex hull of the reflected body.
-    pub(super) hull: &'a [Vector<2>],
     /// Displacements at which the body may be as near to the walls as it is there.
     pub(super) relaxed: &'a [Vector<2>],
     /// The least and the greatest corner of the reflected body, metres.
@@ -90,8 +93,8 @@ struct Unit {
     shape: UnitShape,
     low: Vector<2>,
     high: Vector<2>,
-    /// What holds all of its sums, if there are several.
-    hull: Option<SumPolygon>,
+    /// A circle around all of its sums.
+    around: (Vector<2>, f64),
     /// The sum of each piece, `NONE` where it has not been made.
     sums: Vec<u32>,
     /// The query that looked at it last.
@@ -137,8 +140,12 @@ pub(super) struct Sums<'a> {
     /// The pieces with the margin around them, and their bounds.
     enlarged: Vec<Vec<Vector<2>>>,
     bounds: Vec<[Vector<2>; 2]>,
-    /// The hull of all pieces with the margin around it, if there are several.
-    hull: Option<Vec<Vector<2>>>,
+    /// A circle around all of them.
+    circle: (Vector<2>, f64),
+    /// The largest first: most of a shift is in its sums.
+    order: Vec<usize>,
+    /// How far they reach across the shift that is looked at.
+    spans: Spans,
     /// How far the body reaches from its middle, with the margin.
     reach: f64,
     /// Walls of which less may be asked, and the first wall of the solid of each.
@@ -158,7 +165,7 @@ impl<'a> Sums<'a> {
         margin: SumMargin,
         budget: &Budget<'_>,
     ) -> Result<Self, Spent> {
-        let Obstacles { walls, limits, pieces, hull, relaxed, bounds, .. } = obstacles;
+        let Obstacles { walls, limits, pieces, relaxed, bounds, .. } = obstacles;
         let around = margin.polygon();
         let enlarge = |piece: &[Vector<2>]| match margin {
             SumMargin::Contact | SumMargin::Overlap(_) => piece.to_vec(),
@@ -185,10 +192,16 @@ impl<'a> Sums<'a> {
                 })?;
             }
         }
+        let bounds: Vec<_> = enlarged.iter().map(|piece| convex::bounds(piece)).collect();
+        let size = |piece: &usize| (bounds[*piece][1] - bounds[*piece][0]).norm_squared();
+        let mut order: Vec<_> = (0..enlarged.len()).collect();
+        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
         Ok(Self {
             reach: obstacles.radius + around.iter().map(Vector::norm).fold(0.0, f64::max),
-            bounds: enlarged.iter().map(|piece| convex::bounds(piece)).collect(),
-            hull: (pieces.len() > 1).then(|| enlarge(hull)),
+            bounds,
+            order,
+            circle: convex::circle(enlarged.iter().flatten()),
+            spans: Spans::new(),
             obstacles,
             margin,
             around,
@@ -227,15 +240,18 @@ impl<'a> Sums<'a> {
         shift: &Shift,
         budget: &Budget<'_>,
     ) -> Result<Option<usize>, Spent> {
-        let Obstacles { walls, limits, center, .. } = self.obstacles;
+        let Obstacles { walls, limits, pieces, center, rounding, .. } = self.obstacles;
         let segment = (&(center + shift.from), &(center + shift.to));
         let reach = look_reach(self.reach);
         self.queries += 1;
+        budget.step(pieces.len() as u64)?;
+        self.spans.look_along(shift, (pieces, &self.around), rounding);
         let mut deepest: Option<(f64, usize)> = None;
         let mut spent = Ok(());
         let mut look = |index: usize, wall: &Wall<2>| {
-            match self.most_in_the_way((index, wall), shift, budget) {
-                Ok(Some(found)) if deepest.is_none_or(|(most, _)| found.0 > most) => {
+            let least = deepest.map_or(0.0, |(most, _)| most);
+            match self.most_in_the_way((index, wall), (shift, least), budget) {
+                Ok(Some(found)) if found.0 > least => {
                     deepest = Some(found);
                     // Nothing is to be learnt.
                     return found.0 < f64::INFINITY;
@@ -252,10 +268,12 @@ impl<'a> Sums<'a> {
         spent.map(|()| deepest.map(|(_, sum)| sum))
     }
 
+    /// How much of a shift, if more than `least`, is in a sum of the unit of a wall, and in which; all
+    /// and more of it is in one that is known.
     fn most_in_the_way(
         &mut self,
         (index, wall): (usize, &Wall<2>),
-        shift: &Shift,
+        (shift, least): (&Shift, f64),
         budget: &Budget<'_>,
     ) -> Result<Option<(f64, usize)>, Spent> {
         let at = self.unit((index, wall), budget)?;
@@ -264,14 +282,24 @@ impl<'a> Sums<'a> {
             return Ok(None);
         }
         budget.step(1)?;
-        if unit.hull.as_ref().is_some_and(|hull| hull.is_passed_by(shift)) {
+        if !shift.comes_near(&unit.around) {
             return Ok(None);
         }
-        let (least, greatest) = (unit.low, unit.high);
-        let mut most: Option<(f64, usize)> = None;
-        for piece in 0..self.enlarged.len() {
+        let span = Span::of(unit.shape.corners(), shift);
+        if self.spans.are_passed_by(&span) {
+            return Ok(None);
+        }
+        budget.step(self.enlarged.len() as u64 / PIECES_PER_STEP)?;
+        let (low, high) = (unit.low, unit.high);
+        let (mut most, mut found) = (least, None);
+        for at_piece in 0..self.order.len() {
+            let piece = self.order[at_piece];
             let [min, max] = &self.bounds[piece];
-            if !shift.comes_into(&[least + min, greatest + max]) {
+            let Some(bound) = self.spans.most_within(piece, &span) else { continue };
+            let is_known = |sum: u32| sum != NONE && self.sums[sum as usize].is_known;
+            if (bound < most && !is_known(self.units[at].sums[piece]))
+                || !shift.comes_into(&[low + min, high + max])
+            {
                 continue;
             }
             let sum = self.sum(at, piece, budget)?;
@@ -285,11 +313,13 @@ impl<'a> Sums<'a> {
             if within > 0.0 && *is_known {
                 return Ok(Some((f64::INFINITY, sum)));
             }
-            if within > 0.0 && most.is_none_or(|(part, _)| within > part) {
-                most = Some((within, sum));
+            // Of equals it is the first piece.
+            let is_first = found.is_some_and(|(first, _)| within == most && piece < first);
+            if within > most || is_first {
+                (most, found) = (within, Some((piece, sum)));
             }
         }
-        Ok(most)
+        Ok(found.map(|(_, sum)| (most, sum)))
     }
 
     /// The unit that a wall belongs to.
@@ -322,20 +352,15 @@ impl<'a> Sums<'a> {
             }
         };
         let corners = shape.corners();
-        let hull = self.hull.as_ref().map(|hull| {
-            let mut sum = Vec::new();
-            convex::sum(hull, corners, &mut sum);
-            SumPolygon::new(sum, 0.0)
-        });
         let [low, high] = convex::bounds(corners);
-        let vertices = hull.as_ref().map_or(0, |hull| hull.vertices().len());
-        let bytes =
-            BYTES_PER_UNIT + size_of::<u32>() * self.enlarged.len() + vertices * BYTES_PER_VERTEX;
+        let (center, radius) = convex::circle(corners.iter());
+        let around = (center + self.circle.0, radius + self.circle.1);
+        let bytes = BYTES_PER_UNIT + size_of::<u32>() * self.enlarged.len();
         budget.hold(bytes)?;
         self.held += bytes;
-        budget.step(4 + 2 * vertices as u64)?;
+        budget.step(4)?;
         let sums = vec![NONE; self.enlarged.len()];
-        self.units.push(Unit { wall, shape, low, high, hull, sums, seen: 0 });
+        self.units.push(Unit { wall, shape, low, high, around, sums, seen: 0 });
         Ok(number)
     }
 
