@@ -104,6 +104,9 @@ pub struct Narrow {
     pub needs: f64,
     /// How wide the place is, metres; 0 where there is none.
     pub has: f64,
+    /// It is one for a convex piece of the part, which can't get out even alone, and `needs` is how
+    /// wide that is.
+    pub is_for_piece: bool,
 }
 
 impl<const D: usize> From<Spent> for NoWay<D> {
@@ -430,14 +433,38 @@ impl DemandSearch<'_> {
         Ok(way)
     }
 
-    /// The narrowest place of the widest way for a convex part: it would get out if it were that
-    /// much smaller on all sides.
+    /// The narrowest place of the widest way: of all convex pieces of the part, each moved alone, for
+    /// the one that lacks most. `None` if each of them would get out.
     fn narrowest(&self) -> Result<Option<Narrow>, Spent> {
-        let [piece] = self.obstacles.pieces else { return Ok(None) };
+        let pieces = self.obstacles.pieces;
+        let (mut lacks, mut narrowest) = (0.0, None);
+        for piece in pieces {
+            let obstacles = Obstacles { pieces: std::slice::from_ref(piece), ..self.obstacles };
+            let alone = DemandSearch { obstacles, ..*self };
+            if pieces.len() > 1 {
+                let less = if lacks > 0.0 { SumMargin::Overlap(lacks) } else { SumMargin::Contact };
+                if alone.way(less)?.is_some() {
+                    continue;
+                }
+            }
+            if let Some((missing, narrow)) = alone.narrowest_of_piece(piece, lacks)? {
+                (lacks, narrowest) = (missing, Some(narrow));
+            }
+        }
+        Ok(narrowest)
+    }
+
+    /// The narrowest place of the widest way for a convex piece that lacks more than so much, and how
+    /// much that is: it would get out if it were smaller by this on all sides.
+    fn narrowest_of_piece(
+        &self,
+        piece: &[Vector<2>],
+        lacks: f64,
+    ) -> Result<Option<(f64, Narrow)>, Spent> {
         let half = convex::normals(piece)
             .map(|(normal, reach)| (reach + convex::support(piece, &-normal)) / 2.0)
             .fold(f64::INFINITY, f64::min);
-        let (mut least, mut most) = (self.obstacles.tolerance.min(half), half);
+        let (mut least, mut most) = (self.obstacles.tolerance.max(lacks).min(half), half);
         let mut narrow = None;
         while most - least > NARROW * half {
             let middle = f64::midpoint(least, most);
@@ -454,7 +481,9 @@ impl DemandSearch<'_> {
         Ok(narrow.map(|(wall, across)| {
             let needs = convex::support(piece, &across) + convex::support(piece, &-across);
             let solid = self.obstacles.walls.solid_of(wall).unwrap_or(0);
-            Narrow { solid, across, needs, has: (needs - 2.0 * most).max(0.0) }
+            let has = (needs - 2.0 * most).max(0.0);
+            let is_for_piece = self.cavity.part.pieces.len() > 1;
+            (most, Narrow { solid, across, needs, has, is_for_piece })
         }))
     }
 }

@@ -76,10 +76,15 @@ pub(crate) fn no_way<const D: usize>(
             let message = "no route: no translation leads out".to_owned();
             Refused::Request(Refusal::new(ErrorCode::NoRoute, message))
         }
-        NoWay::Closed(Some(Narrow { solid, across, needs, has })) => {
+        NoWay::Closed(Some(Narrow { solid, across, needs, has, is_for_piece })) => {
+            let [body, it] = if is_for_piece {
+                [" of a convex piece of the body, moved alone,", "this piece"]
+            } else {
+                ["", "the body"]
+            };
             let message = format!(
-                "no route: the widest way leads through a passage beside solid {solid} that is {} m \
-                 wide across ({}, {}); the body is {} m wide there",
+                "no route: the widest way{body} leads through a passage beside solid {solid} that \
+                 is {} m wide across ({}, {}); {it} is {} m wide there",
                 Short(has),
                 Short(across.x),
                 Short(across.y),

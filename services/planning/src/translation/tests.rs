@@ -231,20 +231,58 @@ fn way_between_two_corners_is_exact() {
     assert!((whole - expected).abs() < 1e-9, "{whole} {expected}");
 }
 
+/// A slot that is 1.4 m wide, but less between stops at its mouth; turned by an angle.
+fn slot(stops: Vec<scene::Shape>, part: scene::Shape, angle: f64) -> Scene {
+    let mut solids = stops;
+    solids.push(scene::space([-1.0, 0.0], [0.0, 3.0]));
+    solids.push(scene::space([1.4, 0.0], [2.4, 3.0]));
+    solids.push(scene::space([-1.0, -1.0], [2.4, 0.0]));
+    let place = |shape: &scene::Shape| scene::placed(shape, angle, Vector::from([5.0, 5.0]));
+    scene::scene(solids.iter().map(place).collect(), place(&part))
+}
+
 #[test]
 fn narrow_slot_is_measured() {
     // A square of 1 m in a slot that is 0.8 m wide at its mouth, turned by some angle.
     for angle in [0.0, 0.4, -0.7] {
-        let left = scene::space([-1.0, 0.0], [0.0, 3.0]);
-        let right = scene::space([1.4, 0.0], [2.4, 3.0]);
         let stop = scene::space([0.8, 2.0], [1.4, 3.0]);
-        let floor = scene::space([-1.0, -1.0], [2.4, 0.0]);
         let part = scene::space([0.1, 0.1], [1.1, 1.1]);
-        let at = Vector::from([5.0, 5.0]);
-        let solids =
-            [left, right, stop, floor].into_iter().map(|solid| scene::placed(&solid, angle, at));
-        let scene = scene::scene(solids.collect(), scene::placed(&part, angle, at));
+        let scene = slot(vec![stop], part, angle);
         let Err(NoWay::Closed(Some(narrow))) = scene.plan(CONTACT) else { panic!("{angle}") };
         assert!((narrow.needs - 1.0).abs() < 1e-9 && (narrow.has - 0.8).abs() < 1e-9, "{narrow:?}");
+        assert!(!narrow.is_for_piece);
+    }
+}
+
+/// An L whose foot is 1 m wide and 0.4 m high.
+fn with_foot() -> scene::Shape {
+    scene::placed(&scene::l_shape(1.0, 1.2, 0.4), 0.0, [0.1, 0.1].into())
+}
+
+#[test]
+fn narrow_slot_is_measured_for_the_piece_that_lacks_most() {
+    for angle in [0.0, 0.4, -0.7] {
+        let stop = scene::space([0.8, 2.0], [1.4, 3.0]);
+        let scene = slot(vec![stop], with_foot(), angle);
+        let Err(NoWay::Closed(Some(narrow))) = scene.plan(CONTACT) else { panic!("{angle}") };
+        assert!((narrow.needs - 1.0).abs() < 1e-9 && (narrow.has - 0.8).abs() < 1e-9, "{narrow:?}");
+        assert!(narrow.is_for_piece);
+    }
+}
+
+#[test]
+fn passage_is_named_only_where_a_piece_cannot_get_out_alone() {
+    // The foot must shift to the left between the stops, before the leg on its right is past the upper.
+    let stops = vec![scene::space([0.0, 2.0], [0.35, 2.2]), scene::space([1.05, 2.7], [1.4, 3.0])];
+    let mirrored = |points: &Vec<Vector<2>>| {
+        points.iter().rev().map(|point| Vector::from([1.2 - point.x, point.y])).collect::<Vec<_>>()
+    };
+    let (outline, pieces) = with_foot();
+    let part = (mirrored(&outline), pieces.iter().map(mirrored).collect());
+    let scene = slot(stops, part, 0.0);
+    assert_eq!(scene.plan(CONTACT), Err(NoWay::Closed(None)));
+    for piece in &scene.body {
+        let alone = Scene { outline: piece.clone(), body: vec![piece.clone()], ..scene.clone() };
+        alone.plan(CONTACT).unwrap();
     }
 }
