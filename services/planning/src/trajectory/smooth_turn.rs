@@ -145,8 +145,9 @@ mod tests {
             let start = TurnStart { position: -unit(direction) * beyond, heading, reverse };
             let end = end + unit(leaves) * beyond;
             let curves: Vec<_> = shape.curves(size, side, &start, end).collect();
+            let scale = 1.0 + radius + beyond + size;
             for pair in curves.windows(2) {
-                prop_assert!((pair[0].end() - pair[1].start()).norm() < 1e-13 * (1.0 + radius));
+                prop_assert!((pair[0].end() - pair[1].start()).norm() < 1e-13 * scale);
                 let bend = wrapped(pair[0].end_heading() - pair[1].start_heading());
                 prop_assert!(bend.abs() < 1e-13);
                 let [_, before] = pair[0].curvatures();
@@ -156,7 +157,7 @@ mod tests {
             // The stated end is where the last clothoid leads.
             let last = curves.last().unwrap();
             let led = PlacedClothoid::of(last).unwrap().at(1.0);
-            prop_assert!((led - end).norm() < 1e-12 * (1.0 + radius + beyond), "{led} {end}");
+            prop_assert!((led - end).norm() < 1e-12 * scale, "{led} {end}");
             prop_assert!(wrapped(last.end_heading() - heading - turn * side.factor()).abs() < 1e-13);
             let turned: f64 = curves.iter().map(Curve::turned).sum();
             prop_assert!((turned - turn * side.factor()).abs() < 1e-13);

@@ -192,7 +192,7 @@ impl<'a> Sums<'a> {
                 })?;
             }
         }
-        let bounds: Vec<_> = enlarged.iter().map(|piece| convex::bounds(piece)).collect();
+        let bounds: Vec<_> = enlarged.iter().map(convex::bounds).collect();
         let size = |piece: &usize| (bounds[*piece][1] - bounds[*piece][0]).norm_squared();
         let mut order: Vec<_> = (0..enlarged.len()).collect();
         order.sort_by(|a, b| size(b).total_cmp(&size(a)));
