@@ -455,7 +455,8 @@ impl DemandSearch<'_> {
     }
 
     /// The narrowest place of the widest way for a convex piece that lacks more than so much, and how
-    /// much that is: it would get out if it were smaller by this on all sides.
+    /// much that is: it would get out if it were smaller by this on all sides. `None` if it lacks less,
+    /// or would not get out either way.
     fn narrowest_of_piece(
         &self,
         piece: &[Vector<2>],
@@ -478,6 +479,8 @@ impl DemandSearch<'_> {
                 least = middle;
             }
         }
+        // However thin, it would not get out: its length is in the way.
+        let narrow = narrow.filter(|_| half - most > 2.0 * self.obstacles.tolerance);
         Ok(narrow.map(|(wall, across)| {
             let needs = convex::support(piece, &across) + convex::support(piece, &-across);
             let solid = self.obstacles.walls.solid_of(wall).unwrap_or(0);
