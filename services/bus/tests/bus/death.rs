@@ -207,9 +207,9 @@ fn check_signal(part: &str, signal: Signal) {
     connect(&test.domain, Wait::Event).call(&scene(1, 1), LONG).unwrap();
     let recorder = Process::start("recorder", &test);
     // By itself it takes 0.1 s at most, but the machine may be busy.
-    for process in [planner, recorder] {
+    for (name, process) in [(part, planner), ("recorder", recorder)] {
         process.signal(signal);
-        assert!(process.ends_within(LONG), "{part} did not end");
+        assert!(process.ends_within(LONG), "{name} did not end");
     }
     assert_eq!(test.files(), Vec::<std::path::PathBuf>::new(), "left behind");
 }

@@ -21,7 +21,8 @@ const STEPS_PER_EDGE: u64 = 8;
 /// Bytes that an edge takes in blocks.
 const BYTES_PER_EDGE: usize = 64;
 
-const NONE: u32 = u32::MAX;
+/// The index of nothing.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A convex polygon in a solid.
 #[derive(Debug, Clone)]

@@ -14,6 +14,7 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
+use super::blocks::NONE;
 use super::sums::{Shift, SumPolygon, Sums};
 use crate::budget::{Budget, Held, Spent};
 use crate::geometry::distance::cross;
@@ -350,8 +351,8 @@ impl WaySearch<'_, '_, '_> {
         Ok(())
     }
 
-    /// Finds the lines from a place to a known sum, unless that is aside: those that touch it, and those to where it meets
-    /// the line of the goal.
+    /// Finds the lines from a place to a known sum: those that touch it, and those to where it meets
+    /// the line of the goal. None if the sum is aside, which its circle may not have told.
     fn look_at(&mut self, from: usize, known: usize) -> Result<(), Spent> {
         let polygon = self.sums.polygon(self.known[known].sum);
         self.budget.step(2)?;
@@ -470,8 +471,6 @@ fn name_of(
         named(corners.len() - 1)
     })
 }
-
-const NONE: u32 = u32::MAX;
 
 fn named(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(NONE)

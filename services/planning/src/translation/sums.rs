@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::blocks::{Block, Blocks};
+use super::blocks::{Block, Blocks, NONE};
 use super::convex;
 use crate::budget::{Budget, Spent};
 use crate::free_space::walls::{Wall, Walls};
@@ -27,8 +27,6 @@ const BYTES_PER_SUM: usize = 128;
 
 /// Bytes that a unit takes, besides those for each piece.
 const BYTES_PER_UNIT: usize = 192;
-
-const NONE: u32 = u32::MAX;
 
 /// Places on each leg at which the depth of a way is looked at.
 const PLACES: usize = 64;

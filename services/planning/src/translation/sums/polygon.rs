@@ -1,7 +1,7 @@
 //! One sum: a convex polygon that a displacement must keep out of.
 
 use crate::geometry::Vector;
-use crate::geometry::distance::cross;
+use crate::geometry::distance::{cross, nearest_on_segment};
 use crate::geometry::orientation::Side;
 use crate::translation::convex;
 
@@ -60,15 +60,7 @@ impl Shift {
 
     /// The point on it that is nearest to another, but for rounding.
     fn nearest(&self, point: &Vector<2>) -> Vector<2> {
-        let Self { from, to, along, length } = self;
-        let ahead = along.dot(&(point - from));
-        if ahead <= 0.0 {
-            *from
-        } else if ahead >= length * length {
-            *to
-        } else {
-            from + along * (ahead / (length * length))
-        }
+        nearest_on_segment(point, (&self.from, &self.to))
     }
 
     /// Whether it comes into the box between two corners; it may say so of one that it passes by.
@@ -117,7 +109,9 @@ impl SumPolygon {
         let highest = sides.take_while(|side| !convex::leads_down(side)).count();
         let (center, radius) = convex::circle(vertices.iter());
         let depth = |face: &SumFace| face.reach - face.normal.dot(&center);
-        let inner = WELL * faces.iter().map(depth).fold(f64::INFINITY, f64::min) - slack;
+        // Nothing is inside of what has no faces.
+        let depth = faces.iter().map(depth).reduce(f64::min);
+        let inner = depth.map_or(f64::NEG_INFINITY, |depth| WELL * depth - slack);
         Self { vertices, highest, faces, slack, center, radius, inner }
     }
 
