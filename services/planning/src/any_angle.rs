@@ -65,6 +65,19 @@ pub struct Errand<'a> {
     pub floor: &'a Floor,
 }
 
+impl Errand<'_> {
+    /// To what clearances are found, metres. Smaller differences are rounding.
+    fn precision(&self) -> f64 {
+        PRECISION * self.footprint.width()
+    }
+
+    /// The least gap, metres: a disc that comes nearer to a wall can't be told from one that
+    /// touches it.
+    fn least_gap(&self) -> f64 {
+        self.precision().max(2.0 * self.floor.rounding())
+    }
+}
+
 /// What a robot may do besides driving forwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Abilities {
@@ -202,11 +215,8 @@ pub enum NoMotion {
     Spent(#[from] Spent),
 }
 
-/// Free clearances are found to this, metres.
-pub(crate) const PRECISION: f64 = 1e-9;
-
-/// The least gap from corners, as a part of the floor's width.
-const LEAST_GAP: f64 = 1e-9;
+/// Clearances are found to this part of the robot's width, lengths to this part of them.
+const PRECISION: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests;

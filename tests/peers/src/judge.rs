@@ -3,6 +3,7 @@
 use answer::Answerer;
 use schemas::message::{Curve, Reply, Request, RequestContent, RequestKey, Trajectory};
 use schemas::wire::Sample;
+use serde_json::{Value, json};
 
 use crate::lattice::{self, Resolution};
 use crate::rectangle::{Rectangle, Walls};
@@ -57,7 +58,16 @@ pub fn judge(scene: &Scene, gap: f64, resolution: Resolution) -> Verdict {
 ///
 /// If the scene's JSON is refused as such.
 pub fn ask(scene: &Scene, gap: f64) -> (Result<Drive, String>, Vec<String>) {
-    match reply_to(scene, gap).answers {
+    ask_for(scene, &json!({ "gap": gap }))
+}
+
+/// The same for a clearance of any form.
+///
+/// # Panics
+///
+/// If the scene's JSON is refused as such.
+pub fn ask_for(scene: &Scene, clearance: &Value) -> (Result<Drive, String>, Vec<String>) {
+    match reply_to(scene, clearance).answers {
         Err(refusal) => (Err(refusal.message), Vec::new()),
         Ok(answers) => match &answers[0] {
             Err(refusal) => (Err(refusal.message.clone()), Vec::new()),
@@ -66,8 +76,9 @@ pub fn ask(scene: &Scene, gap: f64) -> (Result<Drive, String>, Vec<String>) {
     }
 }
 
-fn reply_to(scene: &Scene, gap: f64) -> Reply {
-    let read = schemas::json::read_scene(&scene.to_json(gap)).expect("a scene");
+fn reply_to(scene: &Scene, clearance: &Value) -> Reply {
+    let request = scene.request(clearance, &json!({ "spacing": scene.spacing() }));
+    let read = schemas::json::read_scene(&request.to_string()).expect("a scene");
     let key = RequestKey::default();
     let content = RequestContent::Scene(read);
     Answerer::new(&answer::Caps::default()).reply_to(&Request { key, sent_ns: 0, content })

@@ -1,14 +1,18 @@
 //! The planner on random scenes of the kinds that people have, beside the lattice search.
 //! `peers kinds` runs more of them.
 
-use peers::judge::{ask, judge};
+use peers::judge::{ask_for, judge};
 use peers::kinds::Kind;
 use peers::lattice::Resolution;
 use peers::scene::Scene;
 use peers::turned;
+use serde_json::{Value, json};
 
 /// Scenes of each kind.
 const SCENES: u64 = 6;
+
+/// Of those for which the safest motion is looked for.
+const SAFEST_SCENES: u64 = 1;
 
 /// Gap asked for, metres.
 const GAP: f64 = 0.01;
@@ -102,13 +106,24 @@ const SAME: f64 = 1e-9;
 /// Scenes that are turned, scaled and moved have the same answers, whatever the rung.
 #[track_caller]
 fn check_places(places: impl Fn(u64) -> Vec<(f64, f64, [f64; 2])>) {
+    check_clearance(SCENES, |scale| json!({ "gap": scale * GAP }), places);
+}
+
+/// The same with a clearance, by the scale.
+#[track_caller]
+fn check_clearance(
+    scenes: u64,
+    clearance: impl Fn(f64) -> Value,
+    places: impl Fn(u64) -> Vec<(f64, f64, [f64; 2])>,
+) {
     let mut differ = Vec::new();
     for kind in Kind::ALL {
-        for number in 0..SCENES {
+        for number in 0..scenes {
             let scene = kind.scene(number);
-            let (own, _) = ask(&scene, GAP);
+            let (own, _) = ask_for(&scene, &clearance(1.0));
             for (angle, scale, offset) in places(number) {
-                let (other, _) = ask(&placed(&scene, angle, scale, offset), scale * GAP);
+                let other = placed(&scene, angle, scale, offset);
+                let (other, _) = ask_for(&other, &clearance(scale));
                 let is_same = match (&own, &other) {
                     (Ok(own), Ok(other)) => {
                         let off = (other.length / scale - own.length).abs();
@@ -143,4 +158,12 @@ fn origin_does_not_matter() {
 #[test]
 fn unit_does_not_matter() {
     check_places(|_| vec![(0.0, 1000.0, [0.0; 2]), (0.0, 0.001, [0.0; 2])]);
+}
+
+/// What is safest hangs together with many measured clearances.
+#[test]
+fn neither_direction_nor_unit_matters_to_the_safest() {
+    let angle = |number| 0.1 + number as f64;
+    let places = |number| vec![(angle(number), 1.0, [0.0; 2]), (0.0, 0.001, [0.0; 2])];
+    check_clearance(SAFEST_SCENES, |_| json!("safest"), places);
 }

@@ -37,13 +37,14 @@ pub fn certify(
     // The taut path at the gap bounds all that keeps more; the motion itself may be it.
     if is_forward
         && let Some(taut) = found.taut_length
-        && found.free_clearance >= found.gap - PRECISION
-        && (length - taut <= PRECISION * length || found.free_clearance <= found.gap + PRECISION)
+        && found.free_clearance >= found.gap - errand.precision()
+        && (length - taut <= PRECISION * length
+            || found.free_clearance <= found.gap + errand.precision())
     {
         found.bound = taut.clamp(found.bound, length);
         return Ok(());
     }
-    let radius = half + found.free_clearance - PRECISION;
+    let radius = half + found.free_clearance - errand.precision();
     if radius <= 0.0 {
         return Ok(());
     }

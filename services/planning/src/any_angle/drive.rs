@@ -3,7 +3,7 @@
 use super::disc::disc_of;
 use super::ladder::{LastRung, Target, shortest};
 use super::planner::Planner;
-use super::{Errand, LEAST_GAP, NoMotion, RobotMotion, Wish, bound, safest};
+use super::{Errand, NoMotion, RobotMotion, Wish, bound, safest};
 use crate::budget::Budget;
 use crate::clearance::rectangle::clearance_rectangle_pose;
 use crate::driving::CONTACT;
@@ -26,8 +26,7 @@ pub fn drive(
             shortest(errand, target, planner, found, budget)
         }
         Wish::AtLeast(least) => {
-            // A disc that just touches can't be told from one that overlaps.
-            let gap = least.max(LEAST_GAP * errand.floor.extent());
+            let gap = least.max(errand.least_gap());
             let target = Target { gap, least: Some(least), last: LastRung::Lattice };
             match shortest(errand, target, planner, found, budget) {
                 // A motion with another gap may keep it. Beside an end a rectangle can keep more

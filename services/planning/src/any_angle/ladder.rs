@@ -8,7 +8,7 @@ use super::legs::legs_of;
 use super::measure::{Contact, cost, measure};
 use super::planner::Planner;
 use super::taut::{TautPath, TurnRadii};
-use super::{Abilities, Errand, NoMotion, PRECISION, RobotMotion, backwards, bound, fuse, refusal};
+use super::{Abilities, Errand, NoMotion, RobotMotion, backwards, bound, fuse, refusal};
 use crate::budget::{Budget, Spent};
 use crate::driving::StartTurn;
 
@@ -315,10 +315,10 @@ fn fits(
         && contacts.is_empty()
     {
         bound::measure_free_clearance(errand, found, budget)?;
-        if found.free_clearance < least - PRECISION {
+        if found.free_clearance < least - errand.precision() {
             let wall = found.clearance.map(|clearance| clearance.wall);
             let near = found.leg_clearances.iter().enumerate();
-            let near = near.filter(|(_, clearance)| **clearance < least - PRECISION);
+            let near = near.filter(|(_, clearance)| **clearance < least - errand.precision());
             contacts.extend(near.map(|(leg, _)| Contact { leg, wall }));
         }
     }

@@ -8,7 +8,7 @@ use super::lattice;
 use super::measure::{cost, measure};
 use super::planner::Planner;
 use super::taut::TurnRadii;
-use super::{Errand, LEAST_GAP, NoMotion, PRECISION, RobotMotion, bound, refusal};
+use super::{Errand, NoMotion, RobotMotion, bound, refusal};
 use crate::budget::{Budget, Cap, Spent};
 use crate::motion::{Leg, Rung};
 
@@ -34,6 +34,11 @@ const GROWTH: f64 = 6.0;
 const STEPS_ON: usize = 8;
 const STEP_ON: f64 = 1.0 / 256.0;
 const ROUNDS: usize = 4;
+
+/// Searches between poses tell clearances apart by this part of the robot's length, and go on
+/// from whole strides of so many steps.
+const STEP: f64 = 1.0 / (1_u64 << 30) as f64;
+const STRIDE: u64 = 1 << 11;
 
 /// Steps of the budget after which no further search over poses begins.
 const MOST_STEPS: u64 = 100_000_000;
@@ -118,10 +123,10 @@ struct Safety {
 impl Safety {
     const NONE: Self = Self { free: 0.0, clearance: 0.0 };
 
-    /// Which is less, if they differ by more than rounding.
-    fn compare(&self, other: &Self) -> Ordering {
+    /// Which is less, if they differ by more than rounding, metres.
+    fn compare(&self, other: &Self, rounding: f64) -> Ordering {
         let parts = [(self.free, other.free), (self.clearance, other.clearance)];
-        let differs = |(one, other): &&(f64, f64)| (one - other).abs() > PRECISION;
+        let differs = |(one, other): &&(f64, f64)| (one - other).abs() > rounding;
         parts.iter().find(differs).map_or(Ordering::Equal, |(one, other)| one.total_cmp(other))
     }
 }
@@ -149,6 +154,8 @@ struct SafestSearch<'a, 'b> {
     blocked_gap: Option<f64>,
     /// The largest gap with which the ladder would go on to poses, metres.
     long_gap: f64,
+    /// Gaps that were tried for their own sake, and the free clearance of what was found, metres.
+    tried: Vec<[f64; 2]>,
     /// Whether gaps alone are tried.
     is_brief: bool,
     /// What ended the search before its end.
@@ -173,6 +180,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             refused: None,
             blocked_gap: None,
             long_gap: 0.0,
+            tried: Vec::new(),
             is_brief: false,
             spent: None,
             budget,
@@ -181,7 +189,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
 
     /// All of it, or what the budget is enough for.
     fn search(&mut self) -> Result<(), NoMotion> {
-        match self.try_some().and_then(|()| self.run()) {
+        match self.try_some().and_then(|()| self.run()).and_then(|()| self.settle()) {
             Err(NoMotion::Spent(spent @ Spent::Limit { .. })) if self.best.is_some() => {
                 self.spent = Some(spent);
                 for found in [&mut self.best, &mut self.enough].into_iter().flatten() {
@@ -196,7 +204,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
     /// Some gaps first, so that there is a motion if the budget ends.
     fn try_some(&mut self) -> Result<(), NoMotion> {
         let half = self.errand.footprint.width() / 2.0;
-        let least = LEAST_GAP * self.errand.floor.extent();
+        let least = self.errand.least_gap();
         for gap in [least, half / 8.0, half / 2.0] {
             self.try_target(with_gap(gap))?;
         }
@@ -232,11 +240,9 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         if self.enough.is_some() || keeps_all || self.is_brief {
             return Ok(());
         }
-        self.halve(self.best_free(), most, PRECISION, |search, least| {
-            search.try_target(at_least(least))
-        })?;
+        self.try_larger_circles(most)?;
         if self.enough.is_none() {
-            self.try_poses(Rung::Aligned, most, PRECISION)?;
+            self.try_poses(Rung::Aligned, most, self.step())?;
             self.step_on(most)?;
         }
         // Where a gap leads nowhere else, poses are searched, whatever the gap.
@@ -253,6 +259,29 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         if self.enough.is_none() {
             self.try_poses(Rung::Lattice, most, LAST_PART * most)?;
             self.widen()?;
+        }
+        Ok(())
+    }
+
+    /// The least gap with which a motion is as free as the best: it is the least costly.
+    fn settle(&mut self) -> Result<(), NoMotion> {
+        let Some(best) = &self.best else { return Ok(()) };
+        let (precision, mut gap) = (self.errand.precision(), best.motion.gap);
+        // What keeps the gap and no more is not found with less.
+        let is_even = (best.safety.free - gap).abs() <= precision;
+        if is_even || is_between_poses(self.best_rung()) || self.enough.is_some() {
+            return Ok(());
+        }
+        let free = best.safety.free - precision / 2.0;
+        let less = self.tried.iter().filter(|tried| tried[0] < gap && tried[1] < free);
+        let mut less = less.map(|tried| tried[0]).fold(f64::NEG_INFINITY, f64::max);
+        while gap - less > precision && gap - less < f64::INFINITY {
+            let middle = (less + gap) / 2.0;
+            let target = Target { last: LastRung::Radius, ..with_gap(middle) };
+            match self.try_target(target)? {
+                Some(found) if found.free >= free => gap = middle,
+                _ => less = middle,
+            }
         }
         Ok(())
     }
@@ -284,7 +313,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
 
     /// Gap by gap, and between the neighbours of the best ones.
     fn scan(&mut self, most: f64) -> Result<(), NoMotion> {
-        let step = most / GAPS as f64;
+        let (step, precision) = (self.in_strides(most / GAPS as f64), self.errand.precision());
         let mut kept = [Safety::NONE; GAPS];
         for (index, kept) in kept.iter_mut().enumerate().skip(1) {
             let found = self.try_target(with_gap(step * index as f64))?;
@@ -293,7 +322,8 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         let mut peaks: Vec<usize> = (1..GAPS).collect();
         peaks.retain(|&at| {
             let beside = [kept[at - 1], kept.get(at + 1).copied().unwrap_or(Safety::NONE)];
-            kept[at].free > 0.0 && beside.iter().all(|other| kept[at].compare(other).is_ge())
+            kept[at].free > 0.0
+                && beside.iter().all(|other| kept[at].compare(other, precision).is_ge())
         });
         // Sorting takes an order without a tolerance.
         let order = |at: &usize| kept[*at];
@@ -305,47 +335,70 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             // Clearance grows no faster than the gap.
             if kept[at].free + step > self.best_free() {
                 let gap = step * at as f64;
-                self.refine(((gap - step).max(0.0), (gap + step).min(most)), most)?;
+                self.refine((gap - step).max(0.0), (gap + step).min(most))?;
             }
         }
         Ok(())
     }
 
-    /// Motions between poses that keep more than the best so far, up to `most`, to a precision.
-    fn try_poses(&mut self, rung: Rung, most: f64, precision: f64) -> Result<(), NoMotion> {
-        let low = self.best_free();
-        if most - low <= precision {
+    /// Motions between poses that keep more than the best so far, up to `most`, until no part of
+    /// what is left is greater than `last`; metres.
+    ///
+    /// What is looked for is a whole number of [steps](Self::step), and measured clearances lead
+    /// to whole [`STRIDE`]s, so that rounding does not decide which searches are made.
+    fn try_poses(&mut self, rung: Rung, most: f64, last: f64) -> Result<(), NoMotion> {
+        let unit = self.step();
+        let counted = |clearance: f64| (clearance / unit) as u64;
+        let strides = |clearance: f64| counted(clearance) / STRIDE * STRIDE;
+        let (low, most, last) = (strides(self.best_free()), counted(most), counted(last).max(1));
+        if most <= low + last {
             return Ok(());
         }
         let begun = self.budget.drawn(Cap::Steps);
-        let look = |search: &mut Self, least: f64| {
+        let look = |search: &mut Self, least: u64| {
             if search.budget.drawn(Cap::Steps) - begun > MOST_STEPS {
                 return Ok(None);
             }
-            search.try_search(rung, least)
+            let found = search.try_search(rung, least as f64 * unit)?;
+            Ok::<_, NoMotion>(found.map(|found| strides(found.free).max(least)))
         };
         // A search that finds nothing takes the longest.
         let (mut known, mut high, mut part) = (low, most, FIRST_PART);
         while part < 1.0 && self.enough.is_none() {
-            let least = low + part * (most - low);
+            let least = low + ((part * (most - low) as f64) as u64).max(1);
             let Some(found) = look(self, least)? else {
                 high = least;
                 break;
             };
-            known = found.free.max(least);
-            part = GROWTH * part.max((known - low) / (most - low));
+            known = found;
+            part = GROWTH * part.max((known - low) as f64 / (most - low) as f64);
         }
-        if known > low {
-            self.halve(known, high, precision, look)?;
+        while low < known && known + last < high && self.enough.is_none() {
+            let middle = known.midpoint(high);
+            match look(self, middle)? {
+                Some(found) => known = found,
+                None => high = middle,
+            }
         }
         // What is not found with some clearance may be found with more.
         for step in 1..=STEPS_ON {
-            let least = high + step as f64 * STEP_ON * high;
+            let least = high + (step as f64 * STEP_ON * high as f64) as u64;
             if rung == Rung::Lattice && least < most && self.enough.is_none() {
                 look(self, least)?;
             }
         }
         Ok(())
+    }
+
+    /// A clearance in whole strides, at least one; metres.
+    fn in_strides(&self, clearance: f64) -> f64 {
+        let stride = STRIDE as f64 * self.step();
+        libm::round(clearance / stride).max(1.0) * stride
+    }
+
+    /// Searches between poses tell clearances apart by this, metres.
+    fn step(&self) -> f64 {
+        STEP * self.errand.footprint.length()
     }
 
     /// Looks for lines with a little more clearance than the best.
@@ -357,32 +410,27 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
             self.widen()?;
             let low = self.best_free();
             for step in 1..=STEPS_ON {
-                let least = low * (1.0 + STEP_ON * step as f64);
+                let least = self.in_strides(low * (1.0 + STEP_ON * step as f64));
                 if least < most && self.enough.is_none() {
                     self.try_search(Rung::Aligned, least)?;
                 }
             }
-            if self.best_free() <= low + PRECISION {
+            if self.best_free() <= low + self.errand.precision() {
                 break;
             }
         }
         Ok(())
     }
 
-    /// Looks for more and more, halving what is left between what was found and what was not.
-    fn halve(
-        &mut self,
-        mut low: f64,
-        mut high: f64,
-        precision: f64,
-        mut look: impl FnMut(&mut Self, f64) -> Result<Option<Safety>, NoMotion>,
-    ) -> Result<(), NoMotion> {
-        while high - low > precision && self.enough.is_none() {
+    /// Larger circles that keep more than the best so far, up to `most`, halving what is left.
+    fn try_larger_circles(&mut self, most: f64) -> Result<(), NoMotion> {
+        let (mut low, mut high) = (self.best_free(), most);
+        while high - low > self.errand.precision() && self.enough.is_none() {
             let middle = (low + high) / 2.0;
             if middle <= low || middle >= high {
                 break;
             }
-            match look(self, middle)? {
+            match self.try_target(at_least(middle))? {
                 Some(found) => low = found.free.max(middle),
                 None => high = middle,
             }
@@ -407,7 +455,11 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
                 if target.least.is_none() && motion.length > LONG * taut {
                     self.long_gap = self.long_gap.max(target.gap);
                 }
-                self.offer(motion).map(Some)
+                let safety = self.offer(motion)?;
+                if target.least.is_none() {
+                    self.tried.push([target.gap, safety.free]);
+                }
+                Ok(Some(safety))
             }
             Err(NoMotion::Spent(spent)) => Err(spent.into()),
             Err(refused) => {
@@ -436,6 +488,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
 
     /// Keeps a motion if it is better; how safe it is.
     fn offer(&mut self, mut motion: RobotMotion) -> Result<Safety, NoMotion> {
+        let precision = self.errand.precision();
         bound::measure_free_clearance(self.errand, &mut motion, self.budget)?;
         let free = motion.free_clearance;
         let clearance = match (self.errand.goal.heading, &motion.clearance) {
@@ -445,16 +498,17 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         let cost = cost(self.errand, &motion.legs);
         let safety = Safety { free, clearance };
         let found = Contender { safety, cost, motion };
-        if self.least.is_some_and(|least| free >= least - PRECISION)
+        if self.least.is_some_and(|least| free >= least - precision)
             && self.enough.as_ref().is_none_or(|enough| cost < enough.cost)
         {
             self.enough = Some(found.clone());
         }
         self.top = self.top.max(free);
-        let least = self.top - PRECISION / 2.0;
+        let least = self.top - precision / 2.0;
         let is_beaten = self.best.as_ref().is_some_and(|best| best.safety.free < least);
         if free >= least
-            && (is_beaten || self.best.as_ref().is_none_or(|best| found.is_better_than(best)))
+            && (is_beaten
+                || self.best.as_ref().is_none_or(|best| found.is_better_than(best, precision)))
         {
             self.best = Some(found);
         }
@@ -462,8 +516,9 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
     }
 
     /// Looks between two gaps, by golden sections.
-    fn refine(&mut self, (mut low, mut high): (f64, f64), most: f64) -> Result<(), NoMotion> {
+    fn refine(&mut self, mut low: f64, mut high: f64) -> Result<(), NoMotion> {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let precision = self.errand.precision();
         let clear_at = |search: &mut Self, gap: f64| -> Result<Safety, NoMotion> {
             let target = Target { last: LastRung::Radius, ..with_gap(gap) };
             Ok(search.try_target(target)?.unwrap_or(Safety::NONE))
@@ -472,8 +527,8 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         let mut other = low + GOLDEN * (high - low);
         let mut at_one = clear_at(self, one)?;
         let mut at_other = clear_at(self, other)?;
-        while high - low > PRECISION * most.max(1.0) {
-            if at_one.compare(&at_other).is_ge() {
+        while high - low > precision {
+            if at_one.compare(&at_other, precision).is_ge() {
                 (high, other, at_other) = (other, one, at_one);
                 one = high - GOLDEN * (high - low);
                 if one <= low || one >= other {
@@ -495,8 +550,8 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
 
 impl Contender {
     /// Of two that are as free.
-    fn is_better_than(&self, other: &Self) -> bool {
+    fn is_better_than(&self, other: &Self, rounding: f64) -> bool {
         let apart = self.safety.clearance - other.safety.clearance;
-        apart > PRECISION || apart.abs() <= PRECISION && self.cost < other.cost
+        apart > rounding || apart.abs() <= rounding && self.cost < other.cost
     }
 }

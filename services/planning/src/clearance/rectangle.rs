@@ -17,7 +17,7 @@ use crate::geometry::Vector;
 use crate::geometry::number::Number;
 use crate::motion::{Curve, Leg};
 
-pub use free::{BINDING_TOLERANCE, FREE_TURNING_WHILE_MOVING_BOUND, free_clearance};
+pub use free::{FREE_TURNING_WHILE_MOVING_BOUND, binding_tolerance, free_clearance};
 
 use segment::Rectangle;
 

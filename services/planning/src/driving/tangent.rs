@@ -27,6 +27,9 @@ pub(crate) struct Tangent {
 /// Circles that miss each other by less than this part of their distance count as touching.
 const TOUCHING: f64 = 1e-12;
 
+/// Those that do so by less than this have no leg between them: rounding would be its length.
+const NO_LEG: f64 = 1e-14;
+
 /// The tangent from `first` to `second` that passes each on its side; `None` if the circles
 /// are too close for one.
 ///
@@ -42,7 +45,7 @@ pub(crate) fn tangent(first: &Circle, second: &Circle) -> Option<Tangent> {
     if !(square > 0.0 && rest >= -TOUCHING * square) {
         return None;
     }
-    let length = rest.max(0.0).sqrt();
+    let length = if rest <= NO_LEG * square { 0.0 } else { rest.sqrt() };
     let direction = Vector::<2>::new(
         (apart.x * length + apart.y * k) / square,
         (apart.y * length - apart.x * k) / square,

@@ -11,6 +11,7 @@ use crate::clearance::rectangle::Footprint;
 use crate::driving::{Goal, Pose};
 use crate::free_space::floor::{Floor, FloorError};
 use crate::free_space::walls::{Wall, Walls};
+use crate::geometry::distance::distance_point_segment;
 use crate::geometry::{Vector, unit, unrotated};
 use crate::motion::wrapped;
 
@@ -52,10 +53,10 @@ impl OwnScene {
             let point = unrotated(&(point - start.position), &axis);
             point.map(|x| on_grid(x / length, GRID))
         };
-        let given = errand.walls.as_slice();
-        budget.step(given.len() as u64 * STEPS_PER_WALL)?;
+        let met = walls_met(errand, budget)?;
+        budget.step(met.len() as u64 * STEPS_PER_WALL)?;
         let mut walls = Walls::default();
-        for wall in given {
+        for (wall, _) in errand.walls.as_slice().iter().zip(met).filter(|(_, is_met)| *is_met) {
             walls.push(Wall { from: place(&wall.from), to: place(&wall.to) });
         }
         walls.index(budget)?;
@@ -113,6 +114,23 @@ impl OwnScene {
     pub(super) fn release(&self, budget: &Budget<'_>) {
         budget.release(self.held);
     }
+}
+
+/// Which walls can be met from the start. Others, such as the bounds around walls that enclose the
+/// start, need not be turned with the scene, and must not matter.
+fn walls_met(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<Vec<bool>, Spent> {
+    let Errand { walls, floor, start, .. } = errand;
+    let mut met = vec![false; walls.as_slice().len()];
+    // Where walls cross, the floor's vertices are rounded.
+    let reach = 4.0 * floor.rounding();
+    for ends in floor.reachable(&start.position, budget)?.border {
+        let [from, to] = ends.map(|vertex| floor.vertex(vertex));
+        let middle = (from + to) / 2.0;
+        walls.near(&middle, &middle, reach, budget, |index, wall| {
+            met[index] |= distance_point_segment(&middle, (&wall.from, &wall.to)) <= reach;
+        })?;
+    }
+    Ok(met)
 }
 
 fn on_grid(x: f64, grid: f64) -> f64 {

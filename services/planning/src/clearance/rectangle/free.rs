@@ -13,9 +13,9 @@ use crate::free_space::walls::{Wall, Walls};
 use crate::geometry::{Vector, rotated, unit};
 use crate::motion::{Curve, Leg, Pose};
 
-/// A wall point binds the free clearance only if the body comes closer to it than it is at
-/// the start and at the goal by more than this, metres.
-pub const BINDING_TOLERANCE: f64 = 1e-9;
+/// By this part of the radius of its turning circle a body comes closer to a wall point than it
+/// is at the start and at the goal, or the point does not bind the free clearance.
+const BINDING: f64 = 1e-9;
 
 /// The greatest error of the free clearance where a line on which the body also turns
 /// decides it, metres.
@@ -37,7 +37,7 @@ const WAITING: usize = 16;
 /// is closer there than at the start and at the goal, each in closed form: along a wall the
 /// distances to the swept area of a line, to what a corner of the body sweeps on an arc, and
 /// to both end poses are made of linear pieces and square roots, which are equal at the roots
-/// of quadratic equations. Closer is closer by more than [`BINDING_TOLERANCE`]; with that
+/// of quadratic equations. Closer is closer by more than the [`binding_tolerance`]; with that
 /// the result is exact to rounding, and to [`FREE_TURNING_WHILE_MOVING_BOUND`] where a line on
 /// which the body turns decides. Where a clothoid does, it is less by no more than
 /// [`PRECISION`](crate::clearance::clothoid::PRECISION) says.
@@ -72,12 +72,13 @@ pub fn free_clearance(
     [start, goal]: &[Pose; 2],
     budget: &Budget<'_>,
 ) -> Result<Option<Clearance<2>>, Spent> {
+    let tolerance = binding_tolerance(footprint, [start, goal]);
     let ends = [start, goal].map(|pose| {
         let body = placed(footprint, &pose.position, &unit(pose.heading));
-        NearShape::Rectangle(body, BINDING_TOLERANCE)
+        NearShape::Rectangle(body, tolerance)
     });
     let (value, wall) = (f64::INFINITY, Vector::zeros());
-    let mut binding = Binding { ends, value, wall, leg: 0, apart: 0.0 };
+    let mut binding = Binding { ends, tolerance, value, wall, leg: 0, apart: 0.0 };
     // What decides is mostly a leg's nearest wall point. Only where that does not bind, as
     // beside the start, its walls are looked at one by one, best when the others have shown
     // how far to look.
@@ -109,10 +110,19 @@ pub fn free_clearance(
     Ok(Some(Clearance { value: binding.value, at, wall: binding.wall }))
 }
 
+/// A wall point binds the free clearance only if the body comes closer to it than it is at
+/// the start and at the goal by more than this, metres: 1e-9 of the radius of its turning circle,
+/// or what coordinates far from the origin are rounded by.
+pub fn binding_tolerance(footprint: &Footprint, ends: [&Pose; 2]) -> f64 {
+    let farthest = ends[0].position.amax().max(ends[1].position.amax());
+    (BINDING * footprint.swing_radius()).max(8.0 * f64::EPSILON * farthest)
+}
+
 /// The least distance found that binds.
 struct Binding {
     /// The body at the start and at the goal, whose distances count less by the tolerance.
     ends: [NearShape; 2],
+    tolerance: f64,
     value: f64,
     wall: Vector<2>,
     leg: usize,
@@ -167,7 +177,8 @@ impl Binding {
         Ok(())
     }
 
-    /// Bisects a line on which the body turns until no part can hold much less.
+    /// Bisects a line on which the body turns until no part can hold much less, or the body
+    /// moves by no more than the tolerance.
     ///
     /// No point of the body strays farther from its chord over a part than `bend`. What a side
     /// sweeps along chords ends at both its places and at the chords of its ends, or where the
@@ -185,13 +196,12 @@ impl Binding {
         walls: &Walls<2>,
         budget: &Budget<'_>,
     ) -> Result<(), Spent> {
-        let middle = low + (high - low) / 2.0;
-        if !(low < middle && middle < high) {
-            return Ok(());
-        }
         let part = high - low;
         let bend = moving.bend() * part * part / 8.0;
         let (slid, turned) = (moving.fastest() * part, moving.turned() * part);
+        if slid <= self.tolerance {
+            return Ok(());
+        }
         if bend < self.apart && turned < 1.0 {
             // 1 / cos(0.5) is 1.14.
             let less = bend + 1.2 * slid * turned;
@@ -212,6 +222,7 @@ impl Binding {
                 return Ok(());
             }
         }
+        let middle = low + part / 2.0;
         let body = moving.body_at(middle);
         self.near(&[NearShape::Rectangle(body, 0.0)], body.bounds(), walls, budget)?;
         self.look_while_turning(moving, (low, middle), walls, budget)?;
