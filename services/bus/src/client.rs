@@ -334,17 +334,24 @@ impl Connection {
 
     /// Why a reply ends before it is whole.
     fn lost(&self) -> CallError {
-        let is_gone =
-            || self.has_planner_ended() || self.plan.dynamic_config().number_of_servers() == 0;
-        // One that ends gives up what it has first.
         let until = Instant::now() + ENDING;
-        while !is_gone() {
-            if Instant::now() >= until {
-                return CallError::GivenUp;
+        let mut was_closed = false;
+        loop {
+            // One that ends gives up what it has first.
+            if self.has_planner_ended() {
+                return CallError::PlannerLost;
             }
+            let is_closed = self.plan.dynamic_config().number_of_servers() == 0;
+            match is_closed {
+                // It has opened its ports anew.
+                false if was_closed => return CallError::GivenUp,
+                _ if Instant::now() < until => {}
+                true => return CallError::PlannerLost,
+                false => return CallError::GivenUp,
+            }
+            was_closed = is_closed;
             std::thread::sleep(Duration::from_millis(1));
         }
-        CallError::PlannerLost
     }
 }
 

@@ -37,9 +37,11 @@ pub(crate) fn failed<S: Service>(
     match cause {
         // A planner that starts, stops or was killed leaves its service in any of these.
         Cause::Absent | Cause::InFlux | Cause::Damaged => {
-            // One that was just starting has opened the current version first, meanwhile.
-            let is_older = serves::<Previous, S>(node) && !serves::<Current, S>(node);
-            match is_older {
+            // One that was just starting has opened the current version first, meanwhile. One that
+            // is just leaving or being cleared away has lost the one before the other, and is gone
+            // the next time, or is known to have died.
+            let is_older = || serves::<Previous, S>(node) && !serves::<Current, S>(node);
+            match is_older() && !domain.has_dead_planner() && is_older() {
                 true => ConnectError::OlderPlanner { domain, planner: previous::VERSION },
                 false => ConnectError::NoPlanner { domain },
             }

@@ -13,7 +13,7 @@ use crate::domain::{Domain, DomainError};
 use crate::janitor;
 use crate::log;
 use crate::memory::{self, Shortage};
-use crate::presence::Presence;
+use crate::presence::{self, Presence, Visitor};
 use crate::root::{Root, RootError};
 use crate::site::Site;
 use crate::wait;
@@ -64,6 +64,21 @@ impl<S: Service> Member<S> {
     /// Takes all memory of the files that this process has made in the domain.
     pub(crate) fn take_memory(&self) -> Result<(), Shortage> {
         memory::take_files(&self.stay.site.in_memory(), janitor::is_mine)
+    }
+
+    /// The domain that it is in.
+    pub(crate) fn domain(&self) -> &Domain {
+        &self.stay.domain
+    }
+
+    /// The numbers of the ports at both ends of each connection of the domain: who sends, and who
+    /// receives.
+    pub(crate) fn connections(&self) -> impl Iterator<Item = (u128, u128)> {
+        let names = self.stay.site.in_memory().into_iter();
+        names.filter(|name| name.ends_with(".connection")).filter_map(|name| {
+            let mut numbers = janitor::numbers(&name);
+            Some((numbers.next()?, numbers.next()?))
+        })
     }
 
     /// Takes all memory of the files that a port of this number has made.
@@ -141,6 +156,13 @@ impl Domain {
     pub(crate) fn has_dead(&self) -> bool {
         let site = self.root().ok().and_then(|root| Site::find(&root, self.name()).ok().flatten());
         site.is_some_and(|site| janitor::has_dead(&site))
+    }
+
+    /// Whether a planner has died in this domain and is not cleared away.
+    pub(crate) fn has_dead_planner(&self) -> bool {
+        let site = self.root().ok().and_then(|root| Site::find(&root, self.name()).ok().flatten());
+        let is_dead = |visitor: Visitor| visitor.role == Visitor::PLANNER && !visitor.lives;
+        site.is_some_and(|site| presence::visitors(&site).any(is_dead))
     }
 
     /// Removes what is left of this domain if nobody lives in it.

@@ -11,6 +11,7 @@ pub use reply::{ClientWatch, Incoming, ReplySink};
 pub use waker::Waker;
 
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::os::fd::AsFd;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -36,7 +37,7 @@ use crate::status::StatusWriter;
 use crate::tap::TapWriter;
 use crate::wait::{self, Wait, Woken};
 use deaths::Deaths;
-use inbox::Inbox;
+use inbox::{Inbox, InboxPorts};
 use reply::Desk;
 use ringer::Ringer;
 
@@ -85,6 +86,10 @@ pub struct Server {
     _wake: ports::Bell,
     node: Member,
     how: Wait,
+    /// Whether all memory is taken from the start.
+    reserve: bool,
+    /// When it was last counted how many clients are lost.
+    counted: Instant,
     /// The last look for peers that died, and whether it is time for another.
     swept: Instant,
     sweep_due: bool,
@@ -108,7 +113,6 @@ impl Server {
         }
         let failed =
             |what| move |cause: Cause| OpenError::Service { what, domain: domain.clone(), cause };
-        const REQUESTS: &str = "the service for requests";
         const WAKE: &str = "the event that wakes the planner";
         const ANSWERED: &str = "the event that wakes clients";
         const TAP: &str = "the tap for recorders";
@@ -128,8 +132,8 @@ impl Server {
             }
             error => failed(REQUESTS)(error.into()),
         };
-        let current = loop {
-            match ports::create_plan_server::<Current>(&current_plan, ports::current_parts) {
+        let inbox = loop {
+            match InboxPorts::open(&previous_plan, &current_plan) {
                 // The one before may be dying just now.
                 Err(ServerCreateError::ExceedsMaxSupportedServers) if Instant::now() < patience => {
                     std::thread::sleep(Duration::from_millis(5));
@@ -138,8 +142,6 @@ impl Server {
                 done => break done.map_err(port)?,
             }
         };
-        let previous = ports::create_plan_server::<Previous>(&previous_plan, ports::previous_parts)
-            .map_err(port)?;
         let bell = match options.wait {
             Wait::Poll => None,
             Wait::Event | Wait::Hybrid => {
@@ -165,7 +167,7 @@ impl Server {
             node.take_memory()?;
         }
         Ok(Self {
-            inbox: Inbox::new(previous, current, Rc::clone(&desk)),
+            inbox: Inbox::new(inbox, Rc::clone(&desk)),
             bell,
             plans: (previous_plan, current_plan),
             status,
@@ -175,6 +177,8 @@ impl Server {
             _wake: wake,
             node,
             how: options.wait,
+            reserve: options.reserve,
+            counted: Instant::now(),
             swept: Instant::now(),
             sweep_due: false,
         })
@@ -289,6 +293,50 @@ impl Server {
         (self.swept, self.sweep_due) = (Instant::now(), false);
     }
 
+    /// Opens its ports anew where iceoryx2 0.10 has lost many clients: it keeps the memory and the
+    /// descriptors of those that left when it knew them and had not looked at their last requests.
+    ///
+    /// Only for use while nothing is in hand. A request that comes while the ports are closed is
+    /// given up.
+    pub fn forget_lost_clients(&mut self) -> Result<(), OpenError> {
+        if self.counted.elapsed() < COUNT || self.inbox.has_requests() {
+            return Ok(());
+        }
+        self.counted = Instant::now();
+        let lost = self.lost_clients();
+        if lost < MOST_LOST {
+            return Ok(());
+        }
+        tracing::warn!(lost, "opening the ports anew: clients that left are still connected");
+        let domain = self.node.domain().clone();
+        let (previous, current) = &self.plans;
+        self.inbox.renew((previous, current)).map_err(|error| match error {
+            ServerCreateError::ExceedsMaxSupportedServers => OpenError::AnotherPlanner(domain),
+            error => OpenError::Service { what: REQUESTS, domain, cause: error.into() },
+        })?;
+        if self.reserve {
+            self.node.take_memory()?;
+        }
+        Ok(())
+    }
+
+    /// How many clients are connected that have left.
+    fn lost_clients(&self) -> usize {
+        let mut clients = BTreeSet::new();
+        let mut note = |client: u128| {
+            clients.insert(client);
+            CallbackProgression::Continue
+        };
+        let (previous, current) = &self.plans;
+        current.dynamic_config().list_clients(|client| note(client.client_id.value()));
+        previous.dynamic_config().list_clients(|client| note(client.client_id.value()));
+        let ours = self.inbox.numbers();
+        self.node
+            .connections()
+            .filter(|(from, to)| ours.contains(to) && !clients.contains(from))
+            .count()
+    }
+
     /// Whether a signal has asked to end; for use under unbroken load.
     pub fn terminated(&self) -> bool {
         wait::terminated()
@@ -298,8 +346,14 @@ impl Server {
 /// How long a planner that was killed counts as being there, at most.
 const TAKE_OVER: Duration = Duration::from_millis(300);
 
+/// How often a planner counts the clients that iceoryx2 has lost, and how many are many.
+const COUNT: Duration = Duration::from_secs(5);
+const MOST_LOST: usize = 32;
+
 /// How often a planner looks for peers that died: about 0.1 ms for each that lives.
 const SWEEP: Duration = Duration::from_secs(1);
+
+const REQUESTS: &str = "the service for requests";
 
 /// Whether a planner serves.
 fn is_served(plan: &ports::Plan<Current>) -> bool {

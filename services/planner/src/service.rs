@@ -64,7 +64,7 @@ pub struct Served {
 ///
 /// # Errors
 ///
-/// If the operating system starts no threads.
+/// If the operating system starts no threads, or ports that wear out can't be opened anew.
 pub fn serve(
     (server, domain): (&mut Server, &Domain),
     config: &Config,
@@ -78,7 +78,7 @@ pub fn serve(
     service.publish();
     tracing::info!(%domain, wait = ?config.wait, workers = config.workers(), "ready");
     let mut manager = Manager::ready(domain);
-    while !service.step() {
+    while !service.step()? {
         manager.is_alive();
     }
     Ok(service.end())
@@ -163,7 +163,7 @@ impl<'a> Service<'a> {
     }
 
     /// Does what there is to do, and waits for more. Whether the service has ended.
-    fn step(&mut self) -> bool {
+    fn step(&mut self) -> std::io::Result<bool> {
         self.hear_workers();
         let mut taken = 0;
         while taken < WITHOUT_PAUSE
@@ -176,6 +176,9 @@ impl<'a> Service<'a> {
             self.look_after();
         }
         self.publish_if_due();
+        if self.in_hand.is_empty() && self.closing.is_none() {
+            self.server.forget_lost_clients().map_err(std::io::Error::other)?;
+        }
         if self.closing.is_none() && self.server.terminated() {
             let grace = Duration::from_secs_f64(self.config.grace);
             tracing::info!(in_hand = self.in_hand.len(), ?grace, "ending");
@@ -183,10 +186,10 @@ impl<'a> Service<'a> {
             self.closing = Some(Closing { graceful: true, until: Instant::now() + grace });
         }
         match self.closing {
-            Some(_) if self.in_hand.is_empty() => return true,
+            Some(_) if self.in_hand.is_empty() => return Ok(true),
             Some(Closing { graceful, until }) if Instant::now() >= until => {
                 if !graceful {
-                    return true;
+                    return Ok(true);
                 }
                 self.refuse_all();
                 let until = Instant::now() + LAST_WORDS;
@@ -201,7 +204,7 @@ impl<'a> Service<'a> {
                 }
             }
         }
-        false
+        Ok(false)
     }
 
     /// The next request. Those of clients that have left are given up before; see

@@ -5,24 +5,47 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::service::port_factory::server::ServerCreateError;
 use schemas::wire;
 
 use super::reply::{Active, Desk, Incoming};
 use crate::cause::Cause;
 use crate::headers::{Current, Version};
-use crate::ports::{PlanRequest, PlanServer};
+use crate::ports::{self, Plan, PlanRequest, PlanServer};
 use crate::previous::Previous;
 
 /// Errors in a row after which the others have to wait for another try.
 const ERRORS: u32 = 3;
 
-/// Where requests arrive.
+/// The ports for requests.
 #[derive(Debug)]
-pub(super) struct Inbox {
+pub(super) struct InboxPorts {
     // Whoever finds a planner of the previous version only takes it for an older one: that port is
     // opened last and closed first.
     previous: PlanServer<Previous>,
     current: PlanServer<Current>,
+}
+
+impl InboxPorts {
+    pub(super) fn open(
+        previous: &Plan<Previous>,
+        current: &Plan<Current>,
+    ) -> Result<Self, ServerCreateError> {
+        let current = ports::create_plan_server::<Current>(current, ports::current_parts)?;
+        let previous = ports::create_plan_server::<Previous>(previous, ports::previous_parts)?;
+        Ok(Self { previous, current })
+    }
+
+    fn numbers(&self) -> [u128; 2] {
+        [self.previous.id().value(), self.current.id().value()]
+    }
+}
+
+/// Where requests arrive.
+#[derive(Debug)]
+pub(super) struct Inbox {
+    /// None if they could not be opened again.
+    ports: Option<InboxPorts>,
     /// Whose turn it is, so that neither version starves the other.
     previous_first: bool,
     /// Requests that were taken before it was their turn.
@@ -35,13 +58,25 @@ pub(super) struct Inbox {
 }
 
 impl Inbox {
-    pub(super) fn new(
-        previous: PlanServer<Previous>,
-        current: PlanServer<Current>,
-        desk: Rc<RefCell<Desk>>,
-    ) -> Self {
-        let (backlog, farewells) = (VecDeque::new(), Vec::new());
-        Self { previous, current, previous_first: false, backlog, farewells, busy: false, desk }
+    pub(super) fn new(ports: InboxPorts, desk: Rc<RefCell<Desk>>) -> Self {
+        let (ports, backlog, farewells) = (Some(ports), VecDeque::new(), Vec::new());
+        Self { ports, previous_first: false, backlog, farewells, busy: false, desk }
+    }
+
+    /// The numbers of its ports.
+    pub(super) fn numbers(&self) -> Vec<u128> {
+        self.ports.iter().flat_map(InboxPorts::numbers).collect()
+    }
+
+    /// Closes its ports and opens others. What is in shared memory meanwhile is lost.
+    pub(super) fn renew(
+        &mut self,
+        (previous, current): (&Plan<Previous>, &Plan<Current>),
+    ) -> Result<(), ServerCreateError> {
+        self.farewells.clear();
+        self.ports = None;
+        self.ports = Some(InboxPorts::open(previous, current)?);
+        Ok(())
     }
 
     /// The next request whose client waits.
@@ -64,10 +99,12 @@ impl Inbox {
 
     /// Whether a request waits.
     pub(super) fn has_requests(&self) -> bool {
+        let waits = |InboxPorts { previous, current }: &InboxPorts| {
+            current.has_requests().unwrap_or(true) || previous.has_requests().unwrap_or(true)
+        };
         !self.backlog.is_empty()
             || !self.farewells.is_empty()
-            || self.current.has_requests().unwrap_or(true)
-            || self.previous.has_requests().unwrap_or(true)
+            || self.ports.as_ref().is_some_and(waits)
     }
 
     /// Takes what waits in shared memory, which clients can't make endless: each has a few requests
@@ -80,16 +117,19 @@ impl Inbox {
 
     /// Learns which clients have left, and drops their requests.
     pub(super) fn see_who_left(&mut self) {
-        // Those that died half connected are of no interest here.
-        let _ = (self.current.update_connections(), self.previous.update_connections());
+        if let Some(InboxPorts { previous, current }) = &self.ports {
+            // Those that died half connected are of no interest here.
+            let _ = (current.update_connections(), previous.update_connections());
+        }
         self.backlog.retain(Incoming::is_waiting);
     }
 
     /// The next request in shared memory.
     fn take(&mut self) -> Option<Incoming> {
+        let InboxPorts { previous, current } = self.ports.as_ref()?;
         loop {
-            let current = || take::<Current>(&self.current).map(Active::Current);
-            let previous = || take::<Previous>(&self.previous).map(Active::Previous);
+            let current = || take::<Current>(current).map(Active::Current);
+            let previous = || take::<Previous>(previous).map(Active::Previous);
             let active = match self.previous_first {
                 true => previous().or_else(current),
                 false => current().or_else(previous),

@@ -8,7 +8,7 @@ use super::lattice;
 use super::measure::{cost, measure};
 use super::planner::Planner;
 use super::taut::TurnRadii;
-use super::{Errand, NoMotion, RobotMotion, bound, refusal};
+use super::{Errand, NoMotion, PRECISION, RobotMotion, bound, refusal};
 use crate::budget::{Budget, Cap, Spent};
 use crate::motion::{Leg, Rung};
 
@@ -47,8 +47,8 @@ const MOST_STEPS: u64 = 100_000_000;
 const LAST_PART: f64 = 1e-3;
 
 /// Finds the motion with the greatest free clearance; of those that have it but for rounding, where any
-/// heading will do at the goal, that with the greatest clearance there; and of those the least
-/// costly.
+/// heading will do at the goal, that with the greatest clearance there; and of those the
+/// shortest, of which the least costly.
 pub(super) fn safest(
     errand: &Errand<'_>,
     planner: &mut Planner,
@@ -263,7 +263,7 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         Ok(())
     }
 
-    /// The least gap with which a motion is as free as the best: it is the least costly.
+    /// The least gap with which a motion is as free as the best: it is the shortest.
     fn settle(&mut self) -> Result<(), NoMotion> {
         let Some(best) = &self.best else { return Ok(()) };
         let (precision, mut gap) = (self.errand.precision(), best.motion.gap);
@@ -552,6 +552,14 @@ impl Contender {
     /// Of two that are as free.
     fn is_better_than(&self, other: &Self, rounding: f64) -> bool {
         let apart = self.safety.clearance - other.safety.clearance;
-        apart > rounding || apart.abs() <= rounding && self.cost < other.cost
+        if apart.abs() > rounding {
+            return apart > 0.0;
+        }
+        let (length, than) = (self.motion.length, other.motion.length);
+        if (length - than).abs() > PRECISION * than {
+            length < than
+        } else {
+            self.cost < other.cost
+        }
     }
 }

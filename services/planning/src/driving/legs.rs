@@ -41,16 +41,9 @@ pub(crate) fn write<'a>(
     for (line, circle) in lines {
         let next = libm::atan2(line.direction.y, line.direction.x);
         let has_line = line.length > NO_LINE;
-        let stays = !has_line && circle.is_some_and(|circle| circle.sweep == Some(0.0));
-        if stays && turns_about.is_none() {
-            // It sets out on the next line.
-            continue;
-        }
         let mut turned = 0.0;
         if let Some(circle) = turns_about {
-            if circle.sweep != Some(0.0) {
-                legs.push(leg(arc(&circle, heading, next), Some(&circle)));
-            }
+            legs.push(leg(arc(&circle, heading, next), Some(&circle)));
         } else {
             let turn = shortest_turn(heading, next);
             if turn.abs() > SAME_HEADING {

@@ -343,8 +343,7 @@ impl Stops {
             Self::EveryLeg => false,
             Self::AtTurns => runs_into(curve, next),
             Self::AtKinks => {
-                let angle = direction(curve, true).angle(&direction(next, false));
-                angle <= SAME_HEADING
+                angle_between(&direction(curve, true), &direction(next, false)) <= SAME_HEADING
             }
             Self::AtJoints => runs_into(curve, next) && curvature_step(curve, next) == 0.0,
         }
@@ -391,6 +390,13 @@ fn direction<const D: usize>(curve: &Curve<D>, at_end: bool) -> Vector<D> {
         }
         Curve::Turn { .. } => Vector::zeros(),
     }
+}
+
+/// The angle between two vectors, to rounding however small it is, radians.
+fn angle_between<const D: usize>(one: &Vector<D>, other: &Vector<D>) -> f64 {
+    let norm = |vector: &Vector<D>| vector.dot(vector).sqrt();
+    let (one, other) = (one * norm(other), other * norm(one));
+    2.0 * libm::atan2(norm(&(one - other)), norm(&(one + other)))
 }
 
 /// What bounds the speed on `curve` by itself; `None` if nothing moves on it.

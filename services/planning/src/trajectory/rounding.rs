@@ -345,7 +345,9 @@ pub fn round_corners<const D: usize>(
             }
         }
         let until = found.as_ref().map_or(end, |(_, from, _)| *from);
-        if until != begin || found.is_none() {
+        // Two curves that meet do so but for rounding.
+        let is_apart = (until - begin).amax() > ROUNDING * until.amax().max(begin.amax());
+        if is_apart || found.is_none() {
             rounded.push(Leg { curve: Curve::translation(begin, until), ..*leg });
             each.extend(on_line(begin, until)?);
         }

@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use super::blocks::NONE;
 use super::sums::{Shift, SumPolygon, Sums};
 use crate::budget::{Budget, Held, Spent};
-use crate::geometry::distance::cross;
+use crate::geometry::distance::{cross, distance_point_segment};
 use crate::geometry::orientation::Side;
 use crate::geometry::{Direction, Vector, polygon};
 
@@ -442,14 +442,22 @@ impl WaySearch<'_, '_, '_> {
         4.0 * self.sums.tolerance()
     }
 
+    /// The way to a place and from there to the end, but for places where it goes straight on: the part
+    /// would stop there.
     fn way(&self, from: usize, to: Vector<2>) -> Vec<Vector<2>> {
         let mut way = vec![to];
         let mut at = from;
         loop {
             let place = &self.places[at];
-            way.push(place.at);
+            let last = way[way.len() - 1];
             if place.side.is_none() {
+                way.push(place.at);
                 break;
+            }
+            let before = self.places[place.before].at;
+            let bend = distance_point_segment(&place.at, (&before, &last));
+            if bend > self.sums.rounding() {
+                way.push(place.at);
             }
             at = place.before;
         }
