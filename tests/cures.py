@@ -157,6 +157,14 @@ CURES = [
         "a_client_leaves_when_nothing_of_it_is_held",
     ),
     (
+        "lost",
+        "clients that leave while the planner is held up are never given back, all the same",
+        "where there are many, the planner opens its ports anew",
+        [(BUS + "server.rs", "if lost < MOST_LOST {", "if true {")],
+        TESTS,
+        "clients_that_leave_unseen_do_not_wear_a_planner_out",
+    ),
+    (
         "turns",
         "clients are served in the order of their places: the last may starve",
         "under load, all requests that wait are taken before the next is answered",
