@@ -9,6 +9,7 @@ use crate::budget::Budget;
 use crate::clearance::translating::{Body, clearance_body_legs};
 use crate::disassembly::DisassemblyPath;
 use crate::free_space::walls::{Wall, Walls};
+use crate::geometry::distance::distance_point_segment;
 use crate::geometry::orientation::{Side, side_of_line};
 use crate::geometry::polygon::{self, Polygon};
 use crate::geometry::{Direction, Sign, Vector, unit};
@@ -186,6 +187,26 @@ fn what_a_gap_is_refused_for_is_the_least_that_would_do() {
         }
     });
     assert!(refused > 5, "{refused}");
+}
+
+/// A part stops at each place of its way, so there is none on a straight line, however the scene lies.
+#[test]
+fn ways_turn_at_every_place() {
+    let mut turns = 0;
+    each_scene(60, |scene| {
+        for (scale, far) in [(1.0, 0.0), (1000.0, 0.0), (0.001, 0.0), (1.0, 300.0)] {
+            let scene = scene.changed(|point| point * scale + Vector::from([far, -far]));
+            for demand in [CONTACT, Demand::Part(1.0), Demand::Gap(Vector::repeat(0.05 * scale))] {
+                let Ok(way) = scene.plan(demand) else { continue };
+                for three in way.windows(3) {
+                    let bend = distance_point_segment(&three[1], (&three[0], &three[2]));
+                    assert!(bend > 1e-13 * scene.extent(), "{bend} {three:?} {scene:?}");
+                    turns += 1;
+                }
+            }
+        }
+    });
+    assert!(turns > 500, "{turns}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::budget::{Allowance, Budget, Cap, Spent};
 use crate::clearance::rectangle::Footprint;
 use crate::clearance::rectangle::tests::{outline_distance, pose};
 use crate::driving::{Goal, Pose, StartTurn};
-use crate::geometry::Vector;
+use crate::geometry::{Vector, rotated, unit};
 use crate::motion::{Curve, wrapped};
 
 #[track_caller]
@@ -168,6 +168,47 @@ proptest! {
                 assert!(found.free_clearance >= least - 1e-9);
             }
         });
+    }
+}
+
+/// Two bars in line between start and goal, in a room that lies in any direction: the path turns at both
+/// outer corners, and goes straight past those between them.
+#[test]
+fn corners_in_line_are_no_turns() {
+    let bar = |from: f64, to: f64| {
+        [[from, 4.0], [to, 4.0], [to, 6.0], [from, 6.0]].map(Vector::<2>::from).to_vec()
+    };
+    let room = Room { size: 20.0, solids: vec![bar(4.0, 9.0), bar(11.0, 16.0)] };
+    for step in 0..40 {
+        let angle = 0.16 * f64::from(step);
+        let place = |point: Vector<2>| rotated(&point, &unit(angle));
+        let walls = room.walls(place);
+        let floor = floor(&walls);
+        let errand = Errand {
+            footprint: Footprint::new(0.5, 0.8).unwrap(),
+            start: Pose { position: place([2.0, 5.0].into()), heading: angle },
+            goal: Goal { position: place([18.0, 5.0].into()), heading: None },
+            start_turn: StartTurn::InPlace,
+            abilities: Abilities::default(),
+            costs: Costs::default(),
+            walls: &walls,
+            floor: &floor,
+        };
+        let found = find(&errand, Wish::Gap(0.1), &mut Planner::default()).unwrap();
+        check(&errand, &found);
+        let shapes: Vec<_> = found.legs.iter().map(|leg| leg.curve).collect();
+        let is_plain = matches!(
+            shapes[..],
+            [
+                Curve::Turn { .. },
+                Curve::Line { .. },
+                Curve::Arc { .. },
+                Curve::Line { .. },
+                Curve::Arc { .. },
+                Curve::Line { .. }
+            ]
+        );
+        assert!(is_plain, "at {angle}: {shapes:?}");
     }
 }
 

@@ -229,4 +229,21 @@ proptest! {
             prop_assert!(change <= jerk * (1.0 + 1e-9) + 1e-7, "{} {:?}", change, three);
         }
     }
+    /// Rounding is no kink: a part stops where two lines meet, and nowhere else.
+    #[test]
+    fn rounded_way_points_are_passed_without_a_stop(
+        points in prop::collection::vec(prop::array::uniform2(-6.0..6.0_f64), 3..8),
+        boxes in any_boxes(), is_smooth in any::<bool>(),
+    ) {
+        let body = AxisBox::new([-0.2, -0.3].into(), [0.4, 0.1].into()).unwrap();
+        let body = Body::from_box(&body);
+        let shape = if is_smooth { CornerShape::Clothoids } else { CornerShape::Arc };
+        let (mut made, mut each) = (Vec::new(), Vec::new());
+        let (legs, walls, budget) = (polyline(&points), walls_of(&boxes), Budget::default());
+        round_corners((&body, shape), &walls, &legs, (&mut made, &mut each), &budget).unwrap();
+        let is_line = |leg: &Leg<2>| matches!(leg.curve, Curve::Line { .. });
+        let corners = made.windows(2).filter(|pair| pair.iter().all(is_line)).count();
+        let profile = planned(&made, &Limits::default(), Stops::AtKinks);
+        prop_assert_eq!(profile.stops_on_the_way(&made, Stops::AtKinks), corners);
+    }
 }
