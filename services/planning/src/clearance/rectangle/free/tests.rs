@@ -363,5 +363,5 @@ fn turning_away_from_a_wall_takes_few_looks() {
     // The rear side is nearer to a wall point than at the start by the tolerance, 8.408e-10, in
     // closed form by the progress, the least of it at a progress of 1.20e-5 by a search in 40
     // digits.
-    assert!((found.value - 0.55962836099201185).abs() < 1e-7, "{found:?}");
+    assert!((found.value - 0.559_628_360_992_011_9).abs() < 1e-7, "{found:?}");
 }
