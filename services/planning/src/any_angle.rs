@@ -66,6 +66,11 @@ pub struct Errand<'a> {
 }
 
 impl Errand<'_> {
+    /// The robot touches a wall that is no farther away, metres.
+    fn contact(&self) -> f64 {
+        CONTACT * self.footprint.width()
+    }
+
     /// To what clearances are found, metres. Smaller differences are rounding.
     fn precision(&self) -> f64 {
         PRECISION * self.footprint.width()
@@ -214,6 +219,9 @@ pub enum NoMotion {
     #[error(transparent)]
     Spent(#[from] Spent),
 }
+
+/// Rounding of clearances that are nothing, as a part of the robot's width.
+const CONTACT: f64 = 1e-12;
 
 /// Clearances are found to this part of the robot's width, lengths to this part of them.
 const PRECISION: f64 = 1e-9;

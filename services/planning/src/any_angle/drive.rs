@@ -6,7 +6,6 @@ use super::planner::Planner;
 use super::{Errand, NoMotion, RobotMotion, Wish, bound, safest};
 use crate::budget::Budget;
 use crate::clearance::rectangle::clearance_rectangle_pose;
-use crate::driving::CONTACT;
 
 /// One of so many steps is kept back from the search.
 const KEPT_BACK: u64 = 16;
@@ -57,7 +56,7 @@ fn check_ends(errand: &Errand<'_>, budget: &Budget<'_>) -> Result<(), NoMotion> 
         let Some(heading) = heading else { continue };
         let near = clearance_rectangle_pose(footprint, &position, heading, walls, budget)?;
         if let Some(near) = near
-            && near.value <= CONTACT
+            && near.value <= errand.contact()
         {
             return Err(NoMotion::Occupied { at_goal, wall: near.wall });
         }

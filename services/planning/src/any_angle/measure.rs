@@ -3,7 +3,6 @@
 use super::{Errand, RobotMotion};
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::{Met, nearest_along};
-use crate::driving::CONTACT;
 use crate::geometry::Vector;
 use crate::motion::{Curve, Leg};
 
@@ -27,7 +26,7 @@ pub(super) fn measure(
     leg_clearances.clear();
     let (mut whole, mut contacts) = (Met::NOTHING, Vec::new());
     nearest_along(&errand.footprint, &legs, errand.walls, budget, |leg, met, at| {
-        if met.value <= CONTACT {
+        if met.value <= errand.contact() {
             contacts.push(Contact { leg, wall: Some(met.wall) });
         }
         whole.offer(met.value, at, met.wall);

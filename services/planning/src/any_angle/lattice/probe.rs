@@ -8,7 +8,7 @@ use crate::any_angle::Errand;
 use crate::any_angle::disc::distance_to;
 use crate::budget::{Budget, Spent};
 use crate::clearance::rectangle::{clearance_rectangle_pose, free_clearance, stays_clear};
-use crate::driving::{CONTACT, Pose, SAME_HEADING, shortest_turn};
+use crate::driving::{Pose, SAME_HEADING, shortest_turn};
 use crate::geometry::distance::distance_point_segment;
 use crate::geometry::{Vector, rotated, unit, unrotated};
 use crate::motion::{Curve, Leg, wrapped};
@@ -60,7 +60,7 @@ impl<'a> Probe<'a> {
         let Errand { footprint, start, goal, walls, .. } = errand;
         let Kept { least, as_at_ends, most_length } = kept;
         let rounding = rounding_of(errand);
-        let needs = least.max(CONTACT) + 2.0 * rounding;
+        let needs = least.max(errand.contact()) + 2.0 * rounding;
         let axis = unit(start.heading);
         let half = footprint.width() / 2.0;
         let mut is_docked = false;
@@ -98,7 +98,7 @@ impl<'a> Probe<'a> {
         let least = scene.kept(kept.least);
         let most_length = scene.at_most(kept.most_length);
         let probe = Self::new(own, Kept { least, most_length, ..kept }, budget)?;
-        let needs = kept.least.max(CONTACT) + 2.0 * rounding_of(errand);
+        let needs = kept.least.max(errand.contact()) + 2.0 * rounding_of(errand);
         Ok(Self { unit: scene.length, exact: Some((errand, needs)), ..probe })
     }
 
@@ -158,7 +158,7 @@ impl<'a> Probe<'a> {
     ) -> Result<bool, Spent> {
         let way = to - from;
         let length = way.norm();
-        if length < CONTACT {
+        if length < self.errand.contact() {
             return Ok(true);
         }
         let pieces = (length / (PIECE * self.swing)).ceil().clamp(1.0, 1e6);
@@ -182,7 +182,7 @@ impl<'a> Probe<'a> {
         if is_clear || !self.is_docked || !self.is_beside_end(curve) {
             return Ok(is_clear);
         }
-        let bare = CONTACT + 2.0 * self.rounding;
+        let bare = self.errand.contact() + 2.0 * self.rounding;
         Ok(stays_clear(footprint, curve, walls, bare, self.budget)? && self.is_as_at_ends(curve)?)
     }
 
@@ -209,7 +209,7 @@ impl<'a> Probe<'a> {
     /// at the goal, what the robot keeps there counts in full.
     pub(super) fn free_clearance(&self, curve: &Curve<2>) -> Result<f64, Spent> {
         let Errand { footprint, start, goal, walls, .. } = self.errand;
-        let bare = CONTACT + 2.0 * self.rounding;
+        let bare = self.errand.contact() + 2.0 * self.rounding;
         if !stays_clear(footprint, curve, walls, bare, self.budget)? {
             return Ok(0.0);
         }
@@ -222,7 +222,7 @@ impl<'a> Probe<'a> {
     /// Whether its free clearance is greater than this, metres.
     pub(super) fn is_freer(&self, curve: &Curve<2>, least: f64) -> Result<bool, Spent> {
         let Errand { footprint, walls, .. } = self.errand;
-        let bare = CONTACT + 2.0 * self.rounding;
+        let bare = self.errand.contact() + 2.0 * self.rounding;
         // What keeps that from all walls is free by as much.
         let is_clear = stays_clear(footprint, curve, walls, least.max(bare), self.budget)?;
         Ok(is_clear || self.free_clearance(curve)? > least)
