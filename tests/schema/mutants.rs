@@ -12,7 +12,7 @@ pub struct Change {
     entry: Index,
     operation: Operation,
     value: Value,
-    name: &'static str,
+    name: String,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,7 @@ enum Operation {
 }
 
 /// One to three changes. Fields that are added or renamed have one of these names.
-pub fn changes(names: &'static [&'static str]) -> impl Strategy<Value = Vec<Change>> {
+pub fn changes(names: &'static [String]) -> impl Strategy<Value = Vec<Change>> {
     use Operation::{Add, AddNull, Erase, Move, Remove, Rename, Repeat, Replace};
     let operation =
         select(&[Replace, Replace, Erase, AddNull, Move, Remove, Add, Rename, Repeat][..]);
@@ -94,10 +94,10 @@ pub fn mutant(mut document: Value, changes: &[Change]) -> Value {
             (Operation::Erase, place) => *place = Value::Null,
             (Operation::Move, place) => *place = other,
             (Operation::Add, Value::Object(fields)) => {
-                fields.insert(change.name.to_owned(), change.value.clone());
+                fields.insert(change.name.clone(), change.value.clone());
             }
             (Operation::AddNull, Value::Object(fields)) => {
-                fields.entry(change.name).or_insert(Value::Null);
+                fields.entry(change.name.clone()).or_insert(Value::Null);
             }
             (Operation::Remove, Value::Object(fields)) => {
                 remove(fields, change.entry);
@@ -107,7 +107,7 @@ pub fn mutant(mut document: Value, changes: &[Change]) -> Value {
             }
             (Operation::Rename, Value::Object(fields)) => {
                 if let Some(value) = remove(fields, change.entry) {
-                    fields.insert(change.name.to_owned(), value);
+                    fields.insert(change.name.clone(), value);
                 }
             }
             (Operation::Repeat, Value::Array(list)) if !list.is_empty() => {

@@ -52,7 +52,8 @@ pub enum ConnectError {
     },
     /// All places are taken.
     #[error(
-        "{most} {who} are connected in domain {domain}, the most this planner takes (`{setting}`)"
+        "{} connected in domain {domain}, the most this planner takes (`{setting}`)",
+        count(*most, who)
     )]
     Full {
         /// The domain.
@@ -88,6 +89,14 @@ pub enum ConnectError {
         /// Why not.
         cause: Cause,
     },
+}
+
+/// So many of them.
+fn count(most: usize, who: &str) -> String {
+    match most {
+        1 => format!("1 {} is", who.trim_end_matches('s')),
+        most => format!("{most} {who} are"),
+    }
 }
 
 /// Where a domain was looked for.

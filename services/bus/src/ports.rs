@@ -84,13 +84,7 @@ fn or_as_it_is<T>(
     open: impl FnOnce() -> Result<T, Cause>,
 ) -> Result<T, Cause> {
     match created {
-        Err(Cause::Smaller) => {
-            tracing::warn!(
-                "programs are still connected from before, to a planner with smaller settings \
-                 (max_clients, requests_per_client); these stay as they were until all have left"
-            );
-            open()
-        }
+        Err(Cause::Smaller) => open(),
         created => created,
     }
 }

@@ -166,6 +166,15 @@ impl Server {
         if options.reserve {
             node.take_memory()?;
         }
+        let settings = current_plan.static_config();
+        if settings.max_clients() < options.max_clients
+            || settings.max_active_requests_per_client() < options.requests_per_client
+        {
+            tracing::warn!(
+                "programs are still connected from before, to a planner with smaller settings \
+                 (max_clients, requests_per_client); these stay as they were until all have left"
+            );
+        }
         Ok(Self {
             inbox: Inbox::new(inbox, Rc::clone(&desk)),
             bell,

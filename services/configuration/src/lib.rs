@@ -55,6 +55,18 @@ pub enum WaitFor {
     Poll,
 }
 
+impl WaitFor {
+    /// As in the configuration.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Event => "event",
+            Self::Hybrid => "hybrid",
+            Self::Poll => "poll",
+        }
+    }
+}
+
 /// Why a configuration file is refused.
 #[derive(Debug, Error)]
 pub enum ConfigError {
@@ -67,7 +79,7 @@ pub enum ConfigError {
         cause: std::io::Error,
     },
     /// It is not TOML, or has unknown settings or values of the wrong type.
-    #[error("{}: {cause}", path.display())]
+    #[error("{}: {}", path.display(), in_words(cause))]
     Malformed {
         /// The file.
         path: PathBuf,
@@ -116,6 +128,16 @@ impl Default for Config {
             caps: Caps::default(),
         }
     }
+}
+
+/// Without the names that Rust has for numbers.
+fn in_words(cause: &toml::de::Error) -> String {
+    let mut text = cause.to_string();
+    for whole in ["usize", "u64", "u32"] {
+        text =
+            text.replace(&format!("expected {whole}"), "expected a whole number, not less than 0");
+    }
+    text.replace("expected f64", "expected a number")
 }
 
 impl Config {

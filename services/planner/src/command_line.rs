@@ -72,8 +72,8 @@ struct Arguments {
     /// Serves in this process alone, without another one that starts it again if it dies
     #[arg(long)]
     unsupervised: bool,
-    /// Plans on with what is in hand for so long when asked to end
-    #[arg(long, value_name = "SECONDS")]
+    /// When asked to end, goes on with what is in hand for this long
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     grace: Option<f64>,
     /// Serves this domain; systems in different domains do not see each other
     #[arg(long, value_name = "NAME")]
@@ -93,6 +93,10 @@ pub fn run(matches: &ArgMatches) -> ExitCode {
         bus::forward_to_tracing();
         serve_until_ended(arguments)
     })
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number of seconds".to_owned())
 }
 
 fn serve_until_ended(arguments: Arguments) -> Result<Exit, Box<dyn Error>> {

@@ -76,7 +76,7 @@ pub fn serve(
     });
     let mut service = Service::start(server, config, metrics.transpose()?)?;
     service.publish();
-    tracing::info!(%domain, wait = ?config.wait, workers = config.workers(), "ready");
+    tracing::info!(%domain, wait = config.wait.name(), workers = config.workers(), "ready");
     let mut manager = Manager::ready(domain);
     while !service.step()? {
         manager.is_alive();

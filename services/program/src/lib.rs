@@ -18,10 +18,12 @@ mod diagnostics;
 mod exit;
 mod log_format;
 mod print;
+mod time;
 mod version;
 
 pub use diagnostics::{Diagnostics, start_diagnostics};
 pub use exit::{Exit, main};
 pub use log_format::LogFormat;
 pub use print::{PrintError, report, warn};
+pub use time::time;
 pub use version::{REVISION, VERSION};

@@ -4,6 +4,7 @@
 #[path = "../../../schemas/tests/messages/strategies.rs"]
 mod strategies;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -21,6 +22,8 @@ use serde_json::{Value, json};
 
 static SCENE: LazyLock<Validator> = LazyLock::new(|| validator(&schema::scene()));
 static REPLY: LazyLock<Validator> = LazyLock::new(|| validator(&schema::reply()));
+static SCENE_NAMES: LazyLock<Vec<String>> = LazyLock::new(|| names(&schema::scene()));
+static REPLY_NAMES: LazyLock<Vec<String>> = LazyLock::new(|| names(&schema::reply()));
 
 fn validator(schema: &str) -> Validator {
     let schema = serde_json::from_str(schema).unwrap();
@@ -98,94 +101,29 @@ fn check_reply(document: &Value) -> Result<(), TestCaseError> {
     }
 }
 
-const SCENE_NAMES: &[&str] = &[
-    "id",
-    "task",
-    "free_space",
-    "body",
-    "exit",
-    "start",
-    "goal",
-    "start_turn",
-    "clearance",
-    "limits",
-    "sampling",
-    "deadline",
-    "channels",
-    "in_order",
-    "solids",
-    "bounds",
-    "min",
-    "max",
-    "polygon",
-    "box",
-    "half_spaces",
-    "axis",
-    "at_least",
-    "at_most",
-    "footprint",
-    "width",
-    "length",
-    "position",
-    "heading",
-    "gap",
-    "gaps",
-    "each",
-    "curve",
-    "speed",
-    "yaw_rate",
-    "period",
-    "count",
-    "unknown",
-    "",
-    "safest",
-];
-
-const REPLY_NAMES: &[&str] = &[
-    "id",
-    "trajectories",
-    "error",
-    "gap",
-    "route",
-    "channels",
-    "exit",
-    "length",
-    "duration",
-    "clearance",
-    "legs",
-    "samples",
-    "value",
-    "at",
-    "wall",
-    "kind",
-    "from",
-    "to",
-    "heading",
-    "turned",
-    "center",
-    "radius",
-    "start_angle",
-    "sweep",
-    "position",
-    "from_heading",
-    "to_heading",
-    "rule",
-    "junction",
-    "t",
-    "velocity",
-    "yaw_rate",
-    "code",
-    "message",
-    "field",
-    "axis",
-    "needs",
-    "has",
-    "least",
-    "most",
-    "setting",
-    "unknown",
-    "",
-];
+/// The names of all properties of a schema and all its fixed words, and two that it does not know.
+fn names(schema: &str) -> Vec<String> {
+    fn collect(schema: &Value, names: &mut BTreeSet<String>) {
+        match schema {
+            Value::Object(fields) => {
+                if let Some(Value::Object(properties)) = fields.get("properties") {
+                    names.extend(properties.keys().cloned());
+                }
+                for word in ["const", "enum"].iter().filter_map(|key| fields.get(*key)) {
+                    names.extend(word.as_str().map(str::to_owned));
+                    let words = word.as_array().into_iter().flatten();
+                    names.extend(words.filter_map(Value::as_str).map(str::to_owned));
+                }
+                fields.values().for_each(|inner| collect(inner, names));
+            }
+            Value::Array(items) => items.iter().for_each(|inner| collect(inner, names)),
+            _ => {}
+        }
+    }
+    let mut all = BTreeSet::from(["unknown".to_owned(), String::new()]);
+    collect(&serde_json::from_str(schema).unwrap(), &mut all);
+    all.into_iter().collect()
+}
 
 fn any_reply() -> impl Strategy<Value = Reply> {
     let refusal = || strategies::refusal(&strategies::finite());
@@ -206,7 +144,7 @@ fn any_reply() -> impl Strategy<Value = Reply> {
 
 fn mutants<T>(
     document: impl Strategy<Value = T>,
-    names: &'static [&'static str],
+    names: &'static [String],
 ) -> impl Strategy<Value = (T, Vec<Vec<Change>>)>
 where
     T: std::fmt::Debug,
@@ -225,7 +163,7 @@ proptest! {
 
     #[test]
     fn scenes_and_their_mutants_are_judged_alike(
-        (scene, mutants) in mutants(strategies::scene(strategies::finite()), SCENE_NAMES),
+        (scene, mutants) in mutants(strategies::scene(strategies::finite()), &SCENE_NAMES),
     ) {
         let document: Value = serde_json::from_str(&json::scene_to_json(&scene)).unwrap();
         prop_assert_eq!(refused(&SCENE, &document), None);
@@ -237,7 +175,7 @@ proptest! {
 
     #[test]
     fn replies_and_their_mutants_are_judged_alike(
-        (reply, mutants) in mutants(any_reply(), REPLY_NAMES),
+        (reply, mutants) in mutants(any_reply(), &REPLY_NAMES),
     ) {
         let document: Value = serde_json::from_str(&json::reply_to_json(&reply)).unwrap();
         prop_assert_eq!(refused(&REPLY, &document), None);
@@ -249,10 +187,7 @@ proptest! {
 }
 
 /// The same mutants on every run: of 512 documents, 16 each.
-fn fixed_mutants(
-    documents: impl Strategy<Value = Value>,
-    names: &'static [&'static str],
-) -> Vec<Value> {
+fn fixed_mutants(documents: impl Strategy<Value = Value>, names: &'static [String]) -> Vec<Value> {
     let mut runner = TestRunner::deterministic();
     let strategy = mutants(documents, names);
     let mut all = Vec::new();
@@ -284,7 +219,7 @@ fn noticed(
 fn wrong_schemas_are_noticed() {
     let scene = |scene| serde_json::from_str(&json::scene_to_json(&scene)).unwrap();
     let scenes = strategies::scene(strategies::finite()).prop_map(scene);
-    let scenes = fixed_mutants(scenes, SCENE_NAMES);
+    let scenes = fixed_mutants(scenes, &SCENE_NAMES);
     let reads = |text: &str| json::read_scene(text).is_ok();
     let valid = scenes.iter().filter(|scene| reads(&scene.to_string())).count();
     assert!((100..scenes.len() - 100).contains(&valid), "{valid} of {}", scenes.len());
@@ -302,7 +237,7 @@ fn wrong_schemas_are_noticed() {
     }
 
     let reply = |reply| serde_json::from_str(&json::reply_to_json(&reply)).unwrap();
-    let replies = fixed_mutants(any_reply().prop_map(reply), REPLY_NAMES);
+    let replies = fixed_mutants(any_reply().prop_map(reply), &REPLY_NAMES);
     let reads = |text: &str| match json::read_reply(text) {
         Ok(_) => true,
         Err(error) => ONLY_THE_READER.iter().any(|known| error.message.contains(known)),

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use program::Exit;
 
 use files::FILES;
 
@@ -61,19 +62,19 @@ enum Error {
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
-        Ok(code) => code,
+        Ok(exit) => exit.into(),
         Err(error @ Error::Unknown { .. }) => {
             eprintln!("bless: {error}");
-            ExitCode::from(2)
+            Exit::Usage.into()
         }
         Err(error) => {
             eprintln!("bless: {error}");
-            ExitCode::FAILURE
+            Exit::Failure.into()
         }
     }
 }
 
-fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let seeds = corpora::seeds();
     let goldens = recordings::all();
     let known: Vec<&str> = (FILES.iter().map(|file| file.path))
@@ -129,5 +130,5 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     if stale == 0 {
         println!("all generated files are up to date");
     }
-    Ok(if arguments.check && stale > 0 { ExitCode::from(4) } else { ExitCode::SUCCESS })
+    Ok(if arguments.check && stale > 0 { Exit::Regression } else { Exit::Done })
 }

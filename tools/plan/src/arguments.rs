@@ -63,7 +63,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "TIME",
         default_value = "0s",
-        value_parser = humantime::parse_duration,
+        value_parser = program::time,
         conflicts_with = "local"
     )]
     pub(crate) wait: Duration,
@@ -99,7 +99,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "TIME",
         default_value = "10s",
-        value_parser = humantime::parse_duration,
+        value_parser = program::time,
         conflicts_with = "local"
     )]
     pub(crate) timeout: Duration,

@@ -53,7 +53,7 @@ struct Arguments {
     #[arg(long)]
     overwrite: bool,
     /// End after this time [default: at a signal]
-    #[arg(long, visible_alias = "for", value_name = "TIME", value_parser = humantime::parse_duration)]
+    #[arg(long, visible_alias = "for", value_name = "TIME", value_parser = program::time)]
     duration: Option<Duration>,
     /// End after so many messages
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..))]
@@ -65,7 +65,7 @@ struct Arguments {
     #[arg(long, value_name = "TOPICS", value_delimiter = ',', value_enum)]
     topics: Vec<TopicName>,
     /// How often to flush: as much is lost if the recorder is killed [default: 250ms]
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", value_parser = program::time)]
     flush: Option<Duration>,
     /// Wait at each flush until the disk has it, so that a power cut costs no more than a kill
     #[arg(long)]
@@ -80,7 +80,7 @@ struct Arguments {
     #[arg(long, value_name = "SIZE", value_parser = size::parse)]
     split_size: Option<u64>,
     /// Begin another file after this time
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", value_parser = program::time)]
     split_duration: Option<Duration>,
     /// Remove the oldest file where there would be more
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
@@ -92,7 +92,7 @@ struct Arguments {
     #[arg(
         long,
         value_name = "TIME",
-        value_parser = humantime::parse_duration,
+        value_parser = program::time,
         conflicts_with_all = ["split_size", "split_duration", "max_messages"]
     )]
     snapshot: Option<Duration>,
@@ -103,7 +103,7 @@ struct Arguments {
     #[arg(long, value_name = "CODES", value_delimiter = ',', value_parser = code, requires = "snapshot")]
     snapshot_on: Vec<ErrorCode>,
     /// How long to wait for a planner to start
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "10s")]
+    #[arg(long, value_name = "TIME", value_parser = program::time, default_value = "10s")]
     wait: Duration,
     /// How diagnostics look: text, or json, an object on each line
     #[arg(long, value_name = "FORMAT", default_value = "text")]

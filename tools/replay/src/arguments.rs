@@ -18,8 +18,8 @@ use crate::show::filter::{self, Condition, Refused};
 use crate::tolerances;
 use crate::units::Measure;
 use help::{
-    BLESSED, CHECKED, COMPARED, EXAMPLES, EXIT_CODES, EXPORTED, EXTRACTED, MERGED, PAIRED, PLAYED,
-    SHOWN, TOLERANCES,
+    BLESSED, CHECKED, COMPARED, COPY_EXIT_CODES, EXAMPLES, EXIT_CODES, EXPORTED, EXTRACTED, MERGED,
+    PAIRED, PLAYED, SHOWN, TOLERANCES,
 };
 
 /// Plans again what was recorded, and compares
@@ -41,10 +41,10 @@ pub(crate) enum Command {
     )]
     Check(Check),
     /// List a recording's requests, or print one of them or its reply
-    #[command(after_help = format!("{SHOWN}\n{EXIT_CODES}"))]
+    #[command(after_help = format!("{SHOWN}\n{COPY_EXIT_CODES}"))]
     Show(Show),
     /// Describe a recording
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = COPY_EXIT_CODES)]
     Info {
         /// The recording
         file: PathBuf,
@@ -61,19 +61,19 @@ pub(crate) enum Command {
     #[command(after_help = format!("{BLESSED}\n{EXIT_CODES}"))]
     Bless(Bless),
     /// Copy some requests and their replies into a recording of their own
-    #[command(after_help = format!("{EXTRACTED}\n{EXIT_CODES}"))]
+    #[command(after_help = format!("{EXTRACTED}\n{COPY_EXIT_CODES}"))]
     Extract(Extract),
     /// Write requests and replies for viewers, as samples, or as ROS messages
-    #[command(after_help = format!("{EXPORTED}\n{EXIT_CODES}"))]
+    #[command(after_help = format!("{EXPORTED}\n{COPY_EXIT_CODES}"))]
     Export(Export),
-    /// Put recordings together as one, in the order of time
-    #[command(after_help = format!("{MERGED}\n{EXIT_CODES}"))]
+    /// Merge recordings into one, in order of time
+    #[command(after_help = format!("{MERGED}\n{COPY_EXIT_CODES}"))]
     Merge(Merge),
     /// Send recorded requests to a running planner, and print how long its replies take
     #[command(after_help = format!("{PLAYED}\n{EXIT_CODES}"))]
     Play(Play),
     /// Copy what checksums vouch for in a cut or damaged recording into a new one
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = COPY_EXIT_CODES)]
     Recover {
         /// The cut or damaged recording
         file: PathBuf,
@@ -256,10 +256,10 @@ pub(crate) struct Bus {
     #[arg(long, value_name = "NAME")]
     pub(crate) domain: Option<Domain>,
     /// How long to wait for a planner to start
-    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = program::time)]
     pub(crate) wait: Duration,
     /// How long to wait for each reply
-    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = program::time)]
     pub(crate) timeout: Duration,
 }
 
@@ -279,10 +279,10 @@ pub(crate) struct Play {
     #[arg(long = "loop")]
     pub(crate) repeat: bool,
     /// Leave out what was sent earlier after the first request
-    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = program::time)]
     pub(crate) start: Duration,
     /// Leave out what was sent later after the first request
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", value_parser = program::time)]
     pub(crate) until: Option<Duration>,
     /// Send each request when Enter is pressed
     #[arg(long, conflicts_with_all = ["rate", "clients", "repeat"])]

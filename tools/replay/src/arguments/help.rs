@@ -13,6 +13,18 @@ Exit codes:
   129, 130, 143  a signal came (SIGHUP, SIGINT, SIGTERM) while a planner was asked
 If several apply, the first of 4, 1, 3 counts.";
 
+/// Of commands that compare nothing.
+pub(super) const COPY_EXIT_CODES: &str = "\
+Results go to stdout, diagnostics to stderr.
+Exit codes:
+  0  done
+  1  failure: a file can't be read, is damaged or can't be written
+  2  usage: wrong arguments
+  3  data was lost: the recorder missed messages, a request lacks its whole reply or a reply
+     its request, or the recording is cut off (its recorder was killed); `recover`: something is
+     missing, or was kept without a checksum
+If both apply, 1 counts.";
+
 pub(super) const EXAMPLES: &str = "\
 Examples:
   replay check recordings/              check all *.mcap in a folder and below
