@@ -117,8 +117,10 @@ pub(crate) fn no_motion(
                 true => (ErrorCode::TurnBlocked, "turns"),
                 false => (ErrorCode::WallInTheWay, "drives"),
             };
-            let at = resolution.map_or_else(String::new, |Resolution { step, headings }| {
-                format!(" with steps of {} m and {headings} headings", Short(step))
+            let at = resolution.map_or_else(String::new, |resolution| {
+                let Resolution { step, headings, is_cut_short } = resolution;
+                let limit = if is_cut_short { " before the search met its limit" } else { "" };
+                format!(" with steps of {} m and {headings} headings{limit}", Short(step))
             });
             let remedy = if reverse_helps { "; \"reverse\": true would do" } else { "" };
             let message = format!(

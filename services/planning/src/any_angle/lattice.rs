@@ -69,6 +69,8 @@ pub struct Resolution {
     pub step: f64,
     /// Headings in a turn.
     pub headings: usize,
+    /// Whether a search ended at its limit of steps, before it had looked everywhere.
+    pub is_cut_short: bool,
 }
 
 /// What a search is to keep.
@@ -102,6 +104,8 @@ pub(super) struct LatticeMemory {
     search: explore::PoseMemory,
     car: car::ArcMemory,
     resolution: Option<Resolution>,
+    /// Whether one of the last searches ended at its limit of steps.
+    is_cut_short: bool,
     /// The scene as searches see it, once there has been one.
     scene: Option<OwnScene>,
     /// What [`aligned`] found there that need keep nothing, by whether it may drive backwards.
@@ -128,7 +132,8 @@ impl LatticeMemory {
 
     /// The resolution of the last search; `None` if there was no way even for a disc.
     pub(super) fn resolution(&self) -> Option<Resolution> {
-        self.resolution
+        let is_cut_short = self.is_cut_short;
+        self.resolution.map(|resolution| Resolution { is_cut_short, ..resolution })
     }
 }
 
@@ -189,7 +194,7 @@ fn in_own_scene(
     budget: &Budget<'_>,
     run: impl FnOnce(&Probes<'_>, &mut LatticeMemory) -> Result<Option<Vec<Curve<2>>>, Spent>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    memory.resolution = None;
+    (memory.resolution, memory.is_cut_short) = (None, false);
     let scene = match memory.scene.take() {
         Some(scene) => scene,
         None => match OwnScene::of(errand, budget)? {
@@ -249,13 +254,13 @@ fn straight(
     memory.headings.set(probe, level.headings, &memory.axes);
     let bin = level.bin * probe.errand.footprint.width();
     let headings = memory.headings.all.len();
-    memory.resolution = Some(Resolution { step: bin, headings });
+    memory.resolution = Some(Resolution { step: bin, headings, is_cut_short: false });
     let Level { is_fine, most_steps, .. } = level;
     let manner = Manner { bin, is_fine, most_steps };
-    let LatticeMemory { field, axes, headings, search, .. } = memory;
-    let Some(mut way) = explore::explore(probe, (field, headings, axes), manner, search)? else {
-        return Ok(None);
-    };
+    let LatticeMemory { field, axes, headings, search, is_cut_short, .. } = memory;
+    let found = explore::explore(probe, (field, headings, axes), manner, search)?;
+    *is_cut_short |= search.is_cut_short;
+    let Some(mut way) = found else { return Ok(None) };
     if !way.check(probe)? {
         return Ok(None);
     }
@@ -283,9 +288,11 @@ fn steered(
     });
     for bin in BINS {
         let step = bin * probe.errand.footprint.width();
-        memory.resolution = Some(Resolution { step, headings: usize::from(car::HEADINGS) });
+        let headings = usize::from(car::HEADINGS);
+        memory.resolution = Some(Resolution { step, headings, is_cut_short: false });
         let manner = car::ArcManner { steering: &steering, bin: step, most_steps: MOST_STEPS };
         let found = car::explore(probe, &mut memory.field, manner, &mut memory.car)?;
+        memory.is_cut_short |= memory.car.is_cut_short;
         let Some(mut track) = found else { continue };
         let rough = track.clone();
         smooth::smooth(&mut track, &steering, probe)?;

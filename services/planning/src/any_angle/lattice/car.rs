@@ -48,6 +48,8 @@ pub(super) struct ArcMemory {
     heap: BinaryHeap<OpenPose>,
     table: Table,
     words: Vec<Word>,
+    /// Whether the last search ended at its limit of steps.
+    pub(super) is_cut_short: bool,
 }
 
 impl ArcMemory {
@@ -85,6 +87,7 @@ pub(super) fn explore(
     memory.nodes.clear();
     memory.heap.clear();
     memory.table.clear();
+    memory.is_cut_short = false;
     let mut held = Held::new(probe.budget, memory.table.bytes())?;
     let ArcManner { steering, bin, most_steps } = manner;
     let most_steps = probe.budget.drawn(Cap::Steps).saturating_add(most_steps);
@@ -105,6 +108,7 @@ pub(super) fn explore(
             return Ok(Some(search.track_to(index)));
         }
         if probe.budget.drawn(Cap::Steps) > most_steps {
+            search.memory.is_cut_short = true;
             break;
         }
         if until_shot == 0 {

@@ -109,6 +109,8 @@ pub(super) struct PoseMemory {
     stations: Vec<Station>,
     /// The square in which each station lies, in order.
     squares: Vec<(i64, i64, u32)>,
+    /// Whether the last search ended at its limit of steps.
+    pub(super) is_cut_short: bool,
 }
 
 impl PoseMemory {
@@ -142,6 +144,7 @@ pub(super) fn explore(
     memory.heap.clear();
     memory.table.clear();
     memory.stations.clear();
+    memory.is_cut_short = false;
     let mut held = Held::new(probe.budget, memory.table.bytes())?;
     let unit_cost = 1e-6 * manner.bin;
     let most_steps = probe.budget.drawn(Cap::Steps).saturating_add(manner.most_steps);
@@ -162,6 +165,7 @@ pub(super) fn explore(
             break;
         }
         if probe.budget.drawn(Cap::Steps) > most_steps {
+            search.memory.is_cut_short = true;
             break;
         }
         search.expand(index, &node)?;

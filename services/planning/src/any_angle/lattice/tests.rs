@@ -392,6 +392,24 @@ fn passage_too_narrow_for_a_disc_is_no_way() {
     });
 }
 
+/// A search that ends at its own limit has not looked everywhere, and says so.
+#[test]
+fn search_that_meets_its_limit_says_so() {
+    door_align().with_errand(|errand, budget| {
+        let mut memory = LatticeMemory::default();
+        let mut is_cut_short = |most_steps: u64| {
+            let level = Level { most_steps, ..COARSE };
+            let run = |probes: &Probes<'_>, memory: &mut _| straight(probes, level, memory);
+            let kept = Kept::all_along(0.0);
+            let found = in_own_scene((errand, kept), &mut memory, budget, run).unwrap();
+            (found.is_some(), memory.resolution().unwrap().is_cut_short)
+        };
+        assert_eq!(is_cut_short(1), (false, true));
+        assert_eq!(is_cut_short(COARSE.most_steps), (true, false));
+        memory.end(budget);
+    });
+}
+
 #[test]
 fn spent_budget_ends_a_search() {
     needs_reverse().with_errand(|errand, _| {
