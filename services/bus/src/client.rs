@@ -43,6 +43,9 @@ type Port = iceoryx2::port::client::Client<Shared, [u64], RequestHeader, [u64], 
 /// How long a planner that ends takes from its last reply to its end, mostly.
 const ENDING: Duration = Duration::from_millis(50);
 
+/// How long a planner's ports may be closed while it lives.
+const REOPENING: Duration = Duration::from_secs(1);
+
 /// How long a client that leaves waits until its last requests are taken.
 const LEAVING: Duration = Duration::from_secs(3);
 
@@ -334,7 +337,7 @@ impl Connection {
 
     /// Why a reply ends before it is whole.
     fn lost(&self) -> CallError {
-        let until = Instant::now() + ENDING;
+        let begun = Instant::now();
         let mut was_closed = false;
         loop {
             // One that ends gives up what it has first.
@@ -342,10 +345,11 @@ impl Connection {
                 return CallError::PlannerLost;
             }
             let is_closed = self.plan.dynamic_config().number_of_servers() == 0;
+            // It may be opening its ports anew, and is alive if its process is known.
+            let limit = if is_closed && self.planner().is_some() { REOPENING } else { ENDING };
             match is_closed {
-                // It has opened its ports anew.
                 false if was_closed => return CallError::GivenUp,
-                _ if Instant::now() < until => {}
+                _ if begun.elapsed() < limit => {}
                 true => return CallError::PlannerLost,
                 false => return CallError::GivenUp,
             }

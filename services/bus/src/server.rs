@@ -88,8 +88,9 @@ pub struct Server {
     how: Wait,
     /// Whether all memory is taken from the start.
     reserve: bool,
-    /// When it was last counted how many clients are lost.
+    /// When it was last counted how many clients are lost, and how many were.
     counted: Instant,
+    lost: usize,
     /// The last look for peers that died, and whether it is time for another.
     swept: Instant,
     sweep_due: bool,
@@ -188,6 +189,7 @@ impl Server {
             how: options.wait,
             reserve: options.reserve,
             counted: Instant::now(),
+            lost: 0,
             swept: Instant::now(),
             sweep_due: false,
         })
@@ -305,15 +307,18 @@ impl Server {
     /// Opens its ports anew where iceoryx2 0.10 has lost many clients: it keeps the memory and the
     /// descriptors of those that left when it knew them and had not looked at their last requests.
     ///
-    /// Only for use while nothing is in hand. A request that comes while the ports are closed is
-    /// given up.
+    /// Only for use while nothing is in hand. It happens while no client is connected, or where so many
+    /// are lost that it can't wait; a request that comes while the ports are closed is given up.
     pub fn forget_lost_clients(&mut self) -> Result<(), OpenError> {
         if self.counted.elapsed() < COUNT || self.inbox.has_requests() {
             return Ok(());
         }
+        let (clients, lost) = self.count_clients();
+        let before = std::mem::replace(&mut self.lost, lost);
         self.counted = Instant::now();
-        let lost = self.lost_clients();
-        if lost < MOST_LOST {
+        // Those that have just left are forgotten by the next time.
+        let enough = if clients == 0 { MANY_LOST } else { MOST_LOST };
+        if before.min(lost) < enough {
             return Ok(());
         }
         tracing::warn!(lost, "opening the ports anew: clients that left are still connected");
@@ -329,8 +334,8 @@ impl Server {
         Ok(())
     }
 
-    /// How many clients are connected that have left.
-    fn lost_clients(&self) -> usize {
+    /// How many clients are connected, and how many others still have connections.
+    fn count_clients(&self) -> (usize, usize) {
         let mut clients = BTreeSet::new();
         let mut note = |client: u128| {
             clients.insert(client);
@@ -340,10 +345,9 @@ impl Server {
         current.dynamic_config().list_clients(|client| note(client.client_id.value()));
         previous.dynamic_config().list_clients(|client| note(client.client_id.value()));
         let ours = self.inbox.numbers();
-        self.node
-            .connections()
-            .filter(|(from, to)| ours.contains(to) && !clients.contains(from))
-            .count()
+        let connections = self.node.connections();
+        let lost = connections.filter(|(from, to)| ours.contains(to) && !clients.contains(from));
+        (clients.len(), lost.count())
     }
 
     /// Whether a signal has asked to end; for use under unbroken load.
@@ -355,9 +359,11 @@ impl Server {
 /// How long a planner that was killed counts as being there, at most.
 const TAKE_OVER: Duration = Duration::from_millis(300);
 
-/// How often a planner counts the clients that iceoryx2 has lost, and how many are many.
-const COUNT: Duration = Duration::from_secs(5);
-const MOST_LOST: usize = 32;
+/// How often a planner counts the clients that iceoryx2 has lost; how many are many, and how many too
+/// many: half of what it keeps.
+const COUNT: Duration = Duration::from_secs(2);
+const MANY_LOST: usize = 32;
+const MOST_LOST: usize = 512;
 
 /// How often a planner looks for peers that died: about 0.1 ms for each that lives.
 const SWEEP: Duration = Duration::from_secs(1);
