@@ -24,6 +24,15 @@ os.environ |= {
 }
 os.environ.pop("ROS_STATIC_PEERS", None)
 
+
+def tracing_files():
+    """What the tracing library of ROS makes in shared memory when it is loaded, and leaves there."""
+    return set(pathlib.Path("/dev/shm").glob("lttng-ust-wait-*"))
+
+
+# Those of other programs stay.
+TRACING_FILES_OF_OTHERS = tracing_files()
+
 import numpy
 import pytest
 import rclpy
@@ -164,6 +173,8 @@ def ros():
     rclpy.init()
     yield
     rclpy.shutdown()
+    for path in tracing_files() - TRACING_FILES_OF_OTHERS:
+        path.unlink(missing_ok=True)
 
 
 @pytest.fixture
