@@ -58,6 +58,12 @@ pub(crate) fn has_dead(site: &Site) -> bool {
     strangers || visitors.iter().any(|visitor| !visitor.lives)
 }
 
+/// Whether a planner has died in a domain.
+pub(crate) fn has_dead_planner(site: &Site) -> bool {
+    let is_dead = |visitor: Visitor| visitor.role == Visitor::PLANNER && !visitor.lives;
+    presence::visitors(site).any(is_dead)
+}
+
 /// Our programs in a domain, and whether there may be others: they show no presence, so that only
 /// iceoryx2 knows of them.
 fn members(site: &Site) -> (Vec<Visitor>, bool) {

@@ -13,7 +13,7 @@ use crate::domain::{Domain, DomainError};
 use crate::janitor;
 use crate::log;
 use crate::memory::{self, Shortage};
-use crate::presence::{self, Presence, Visitor};
+use crate::presence::Presence;
 use crate::root::{Root, RootError};
 use crate::site::Site;
 use crate::wait;
@@ -154,15 +154,18 @@ impl Domain {
 
     /// Whether anybody has died in this domain and is not cleared away.
     pub(crate) fn has_dead(&self) -> bool {
-        let site = self.root().ok().and_then(|root| Site::find(&root, self.name()).ok().flatten());
-        site.is_some_and(|site| janitor::has_dead(&site))
+        self.site().is_some_and(|site| janitor::has_dead(&site))
     }
 
     /// Whether a planner has died in this domain and is not cleared away.
     pub(crate) fn has_dead_planner(&self) -> bool {
-        let site = self.root().ok().and_then(|root| Site::find(&root, self.name()).ok().flatten());
-        let is_dead = |visitor: Visitor| visitor.role == Visitor::PLANNER && !visitor.lives;
-        site.is_some_and(|site| presence::visitors(&site).any(is_dead))
+        self.site().is_some_and(|site| janitor::has_dead_planner(&site))
+    }
+
+    /// Its files, if it is there.
+    fn site(&self) -> Option<Site> {
+        let root = self.root().ok()?;
+        Site::find(&root, self.name()).ok().flatten()
     }
 
     /// Removes what is left of this domain if nobody lives in it.

@@ -127,12 +127,6 @@ impl Server {
         let tap = ports::create_tap(&node, options).map_err(failed(TAP))?;
 
         let status = ports::create_status(&node).map_err(failed(STATUS))?;
-        let port = |error| match error {
-            ServerCreateError::ExceedsMaxSupportedServers => {
-                OpenError::AnotherPlanner(domain.clone())
-            }
-            error => failed(REQUESTS)(error.into()),
-        };
         let inbox = loop {
             match InboxPorts::open(&previous_plan, &current_plan) {
                 // The one before may be dying just now.
@@ -140,7 +134,7 @@ impl Server {
                     std::thread::sleep(Duration::from_millis(5));
                     node.sweep();
                 }
-                done => break done.map_err(port)?,
+                done => break done.map_err(|error| no_port(domain, error))?,
             }
         };
         let bell = match options.wait {
@@ -322,12 +316,9 @@ impl Server {
             return Ok(());
         }
         tracing::warn!(lost, "opening the ports anew: clients that left are still connected");
-        let domain = self.node.domain().clone();
         let (previous, current) = &self.plans;
-        self.inbox.renew((previous, current)).map_err(|error| match error {
-            ServerCreateError::ExceedsMaxSupportedServers => OpenError::AnotherPlanner(domain),
-            error => OpenError::Service { what: REQUESTS, domain, cause: error.into() },
-        })?;
+        let renewed = self.inbox.renew((previous, current));
+        renewed.map_err(|error| no_port(self.node.domain(), error))?;
         if self.reserve {
             self.node.take_memory()?;
         }
@@ -369,6 +360,15 @@ const MOST_LOST: usize = 512;
 const SWEEP: Duration = Duration::from_secs(1);
 
 const REQUESTS: &str = "the service for requests";
+
+/// Why there is no port for requests.
+fn no_port(domain: &Domain, error: ServerCreateError) -> OpenError {
+    let domain = domain.clone();
+    match error {
+        ServerCreateError::ExceedsMaxSupportedServers => OpenError::AnotherPlanner(domain),
+        error => OpenError::Service { what: REQUESTS, domain, cause: error.into() },
+    }
+}
 
 /// Whether a planner serves.
 fn is_served(plan: &ports::Plan<Current>) -> bool {

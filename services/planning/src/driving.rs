@@ -64,6 +64,8 @@ mod safest;
 pub(crate) mod tangent;
 mod taut;
 
+pub(crate) use taut::STRAIGHT;
+
 pub use error::DrivingError;
 pub use safest::safest;
 

@@ -1,7 +1,7 @@
 //! The planner's answer beside the peer's, and checked on its own.
 
 use answer::Answerer;
-use schemas::message::{Curve, Reply, Request, RequestContent, RequestKey, Trajectory};
+use schemas::message::{Curve, Request, RequestContent, RequestKey, Trajectory};
 use schemas::wire::Sample;
 use serde_json::{Value, json};
 
@@ -48,7 +48,7 @@ pub struct Drive {
 #[must_use]
 pub fn judge(scene: &Scene, gap: f64, resolution: Resolution) -> Verdict {
     let peer = lattice::find(scene, resolution).map(|way| lattice::length(&way));
-    let (planner, faults) = ask(scene, gap);
+    let (planner, faults) = ask(scene, &json!({ "gap": gap }));
     Verdict { planner, peer, faults }
 }
 
@@ -57,31 +57,22 @@ pub fn judge(scene: &Scene, gap: f64, resolution: Resolution) -> Verdict {
 /// # Panics
 ///
 /// If the scene's JSON is refused as such.
-pub fn ask(scene: &Scene, gap: f64) -> (Result<Drive, String>, Vec<String>) {
-    ask_for(scene, &json!({ "gap": gap }))
-}
-
-/// The same for a clearance of any form.
-///
-/// # Panics
-///
-/// If the scene's JSON is refused as such.
-pub fn ask_for(scene: &Scene, clearance: &Value) -> (Result<Drive, String>, Vec<String>) {
-    match reply_to(scene, clearance).answers {
-        Err(refusal) => (Err(refusal.message), Vec::new()),
-        Ok(answers) => match &answers[0] {
-            Err(refusal) => (Err(refusal.message.clone()), Vec::new()),
-            Ok(trajectory) => (Ok(drive(trajectory)), faults(scene, trajectory)),
-        },
+pub fn ask(scene: &Scene, clearance: &Value) -> (Result<Drive, String>, Vec<String>) {
+    let mut answerer = Answerer::new(&answer::Caps::default());
+    let request = scene.request(clearance, &json!({ "spacing": scene.spacing() }));
+    match trajectory(&mut answerer, &request) {
+        Err(message) => (Err(message), Vec::new()),
+        Ok(trajectory) => (Ok(drive(&trajectory)), faults(scene, &trajectory)),
     }
 }
 
-fn reply_to(scene: &Scene, clearance: &Value) -> Reply {
-    let request = scene.request(clearance, &json!({ "spacing": scene.spacing() }));
-    let read = schemas::json::read_scene(&request.to_string()).expect("a scene");
-    let key = RequestKey::default();
-    let content = RequestContent::Scene(read);
-    Answerer::new(&answer::Caps::default()).reply_to(&Request { key, sent_ns: 0, content })
+/// The first answer to a request, or what its refusal says.
+pub(crate) fn trajectory(answerer: &mut Answerer, request: &Value) -> Result<Trajectory, String> {
+    let scene = schemas::json::read_scene(&request.to_string()).expect("a scene");
+    let (key, content) = (RequestKey::default(), RequestContent::Scene(scene));
+    let reply = answerer.reply_to(&Request { key, sent_ns: 0, content });
+    let mut answers = reply.answers.map_err(|refusal| refusal.message)?;
+    answers.swap_remove(0).map_err(|refusal| refusal.message)
 }
 
 pub(crate) fn drive(trajectory: &Trajectory) -> Drive {

@@ -4,10 +4,9 @@ use std::time::{Duration, Instant};
 
 use answer::Answerer;
 use fastrand::Rng;
-use schemas::message::{Request, RequestContent, RequestKey};
 use serde_json::{Value, json};
 
-use crate::judge::{Drive, drive};
+use crate::judge::{Drive, drive, trajectory};
 use crate::scene::Scene;
 
 /// Gaps asked for beside the safest.
@@ -90,15 +89,6 @@ pub fn contest(scene: &Scene, number: u64) -> Contest {
 }
 
 fn ask(answerer: &mut Answerer, scene: &Scene, clearance: &Value) -> Result<Drive, String> {
-    let json = scene.request(clearance, &json!({ "count": 2 })).to_string();
-    let content = RequestContent::Scene(schemas::json::read_scene(&json).expect("a scene"));
-    let key = RequestKey::default();
-    let reply = answerer.reply_to(&Request { key, sent_ns: 0, content });
-    match reply.answers {
-        Ok(answers) => match &answers[0] {
-            Ok(trajectory) => Ok(drive(trajectory)),
-            Err(refusal) => Err(refusal.message.clone()),
-        },
-        Err(refusal) => Err(refusal.message),
-    }
+    let request = scene.request(clearance, &json!({ "count": 2 }));
+    trajectory(answerer, &request).map(|trajectory| drive(&trajectory))
 }

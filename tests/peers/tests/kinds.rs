@@ -1,7 +1,7 @@
 //! The planner on random scenes of the kinds that people have, beside the lattice search.
 //! `peers kinds` runs more of them.
 
-use peers::judge::{ask_for, judge};
+use peers::judge::{ask, judge};
 use peers::kinds::Kind;
 use peers::lattice::Resolution;
 use peers::scene::Scene;
@@ -120,10 +120,10 @@ fn check_clearance(
     for kind in Kind::ALL {
         for number in 0..scenes {
             let scene = kind.scene(number);
-            let (own, _) = ask_for(&scene, &clearance(1.0));
+            let (own, _) = ask(&scene, &clearance(1.0));
             for (angle, scale, offset) in places(number) {
                 let other = placed(&scene, angle, scale, offset);
-                let (other, _) = ask_for(&other, &clearance(scale));
+                let (other, _) = ask(&other, &clearance(scale));
                 let is_same = match (&own, &other) {
                     (Ok(own), Ok(other)) => {
                         let off = (other.length / scale - own.length).abs();

@@ -104,8 +104,6 @@ pub(super) struct LatticeMemory {
     search: explore::PoseMemory,
     car: car::ArcMemory,
     resolution: Option<Resolution>,
-    /// Whether one of the last searches ended at its limit of steps.
-    is_cut_short: bool,
     /// The scene as searches see it, once there has been one.
     scene: Option<OwnScene>,
     /// What [`aligned`] found there that need keep nothing, by whether it may drive backwards.
@@ -132,8 +130,15 @@ impl LatticeMemory {
 
     /// The resolution of the last search; `None` if there was no way even for a disc.
     pub(super) fn resolution(&self) -> Option<Resolution> {
-        let is_cut_short = self.is_cut_short;
-        self.resolution.map(|resolution| Resolution { is_cut_short, ..resolution })
+        self.resolution
+    }
+
+    /// Notes how finely a search has looked, and whether it or one before it for the same errand
+    /// ended at its limit.
+    fn note(&mut self, step: f64, headings: usize, is_cut_short: bool) {
+        let was_cut_short = self.resolution.is_some_and(|before| before.is_cut_short);
+        let is_cut_short = is_cut_short || was_cut_short;
+        self.resolution = Some(Resolution { step, headings, is_cut_short });
     }
 }
 
@@ -194,7 +199,7 @@ fn in_own_scene(
     budget: &Budget<'_>,
     run: impl FnOnce(&Probes<'_>, &mut LatticeMemory) -> Result<Option<Vec<Curve<2>>>, Spent>,
 ) -> Result<Option<Vec<Curve<2>>>, Spent> {
-    (memory.resolution, memory.is_cut_short) = (None, false);
+    memory.resolution = None;
     let scene = match memory.scene.take() {
         Some(scene) => scene,
         None => match OwnScene::of(errand, budget)? {
@@ -254,12 +259,11 @@ fn straight(
     memory.headings.set(probe, level.headings, &memory.axes);
     let bin = level.bin * probe.errand.footprint.width();
     let headings = memory.headings.all.len();
-    memory.resolution = Some(Resolution { step: bin, headings, is_cut_short: false });
     let Level { is_fine, most_steps, .. } = level;
     let manner = Manner { bin, is_fine, most_steps };
-    let LatticeMemory { field, axes, headings, search, is_cut_short, .. } = memory;
-    let found = explore::explore(probe, (field, headings, axes), manner, search)?;
-    *is_cut_short |= search.is_cut_short;
+    let LatticeMemory { field, axes, headings: all, search, .. } = memory;
+    let found = explore::explore(probe, (field, all, axes), manner, search)?;
+    memory.note(bin, headings, memory.search.is_cut_short);
     let Some(mut way) = found else { return Ok(None) };
     if !way.check(probe)? {
         return Ok(None);
@@ -288,11 +292,9 @@ fn steered(
     });
     for bin in BINS {
         let step = bin * probe.errand.footprint.width();
-        let headings = usize::from(car::HEADINGS);
-        memory.resolution = Some(Resolution { step, headings, is_cut_short: false });
         let manner = car::ArcManner { steering: &steering, bin: step, most_steps: MOST_STEPS };
         let found = car::explore(probe, &mut memory.field, manner, &mut memory.car)?;
-        memory.is_cut_short |= memory.car.is_cut_short;
+        memory.note(step, usize::from(car::HEADINGS), memory.car.is_cut_short);
         let Some(mut track) = found else { continue };
         let rough = track.clone();
         smooth::smooth(&mut track, &steering, probe)?;

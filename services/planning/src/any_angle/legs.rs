@@ -2,15 +2,13 @@
 
 use super::Errand;
 use super::taut::{TautPath, TautTurn};
+use crate::driving::STRAIGHT;
 use crate::driving::legs::{NO_LINE, Rounding, write};
 use crate::driving::rules::TurnRule;
 use crate::driving::tangent::Tangent;
 use crate::free_space::floor::{NONE, Reflex};
 use crate::geometry::{Direction, Sign, Vector, unit};
 use crate::motion::{Leg, Rule, Rung};
-
-/// Turns by no more than this are rounding, radians.
-const STRAIGHT: f64 = 1e-12;
 
 /// The legs along a taut path.
 pub(super) fn legs_of(errand: &Errand<'_>, path: &TautPath, rung: Rung) -> Vec<Leg<2>> {

@@ -274,8 +274,10 @@ impl<'a, 'b> SafestSearch<'a, 'b> {
         }
         let free = best.safety.free - precision / 2.0;
         let less = self.tried.iter().filter(|tried| tried[0] < gap && tried[1] < free);
-        let mut less = less.map(|tried| tried[0]).fold(f64::NEG_INFINITY, f64::max);
-        while gap - less > precision && gap - less < f64::INFINITY {
+        let Some(mut less) = less.map(|tried| tried[0]).max_by(f64::total_cmp) else {
+            return Ok(());
+        };
+        while gap - less > precision {
             let middle = (less + gap) / 2.0;
             let target = Target { last: LastRung::Radius, ..with_gap(middle) };
             match self.try_target(target)? {

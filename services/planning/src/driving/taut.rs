@@ -18,7 +18,7 @@ pub(super) struct Knot {
 }
 
 /// Turns by less than this do not count, radians.
-const STRAIGHT: f64 = 1e-12;
+pub(crate) const STRAIGHT: f64 = 1e-12;
 
 /// Turns backwards by less than this do not count, radians: along lines of many metres
 /// rounding does not tell corners apart any better.

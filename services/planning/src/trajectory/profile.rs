@@ -394,9 +394,8 @@ fn direction<const D: usize>(curve: &Curve<D>, at_end: bool) -> Vector<D> {
 
 /// The angle between two vectors, to rounding however small it is, radians.
 fn angle_between<const D: usize>(one: &Vector<D>, other: &Vector<D>) -> f64 {
-    let norm = |vector: &Vector<D>| vector.dot(vector).sqrt();
-    let (one, other) = (one * norm(other), other * norm(one));
-    2.0 * libm::atan2(norm(&(one - other)), norm(&(one + other)))
+    let (one, other) = (one * other.norm(), other * one.norm());
+    2.0 * libm::atan2((one - other).norm(), (one + other).norm())
 }
 
 /// What bounds the speed on `curve` by itself; `None` if nothing moves on it.

@@ -1,29 +1,39 @@
 //! Examples and explanations below the options.
 
-pub(super) const EXIT_CODES: &str = "\
+/// What all commands share.
+macro_rules! exit_codes {
+    ($done:literal, $failure:literal, $others:literal) => {
+        concat!(
+            "\
 Results go to stdout, diagnostics to stderr.
 Exit codes:
-  0  done; all replies compared are equal
-  1  failure: a file can't be read or is damaged, or there was nothing to compare
+  0  ",
+            $done,
+            "
+  1  failure: a file can't be read",
+            $failure,
+            "
   2  usage: wrong arguments
   3  data was lost: the recorder missed messages, a request lacks its whole reply or a reply
      its request, or the recording is cut off (its recorder was killed); `recover`: something is
      missing, or was kept without a checksum
-  4  regression: replies differ
+",
+            $others
+        )
+    };
+}
+
+pub(super) const EXIT_CODES: &str = exit_codes!(
+    "done; all replies compared are equal",
+    " or is damaged, or there was nothing to compare",
+    "  4  regression: replies differ
   129, 130, 143  a signal came (SIGHUP, SIGINT, SIGTERM) while a planner was asked
-If several apply, the first of 4, 1, 3 counts.";
+If several apply, the first of 4, 1, 3 counts."
+);
 
 /// Of commands that compare nothing.
-pub(super) const COPY_EXIT_CODES: &str = "\
-Results go to stdout, diagnostics to stderr.
-Exit codes:
-  0  done
-  1  failure: a file can't be read, is damaged or can't be written
-  2  usage: wrong arguments
-  3  data was lost: the recorder missed messages, a request lacks its whole reply or a reply
-     its request, or the recording is cut off (its recorder was killed); `recover`: something is
-     missing, or was kept without a checksum
-If both apply, 1 counts.";
+pub(super) const COPY_EXIT_CODES: &str =
+    exit_codes!("done", ", is damaged or can't be written", "If both apply, 1 counts.");
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
